@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lights that sparkle, in slots that every paint of the .blend shares.
+
+The shader has to know direction and size of a light that makes sparkles; Cycles keeps its
+strength, shadow and linking. One node group per file holds the slots. Drivers feed them with
+simple expressions, which Blender evaluates without running Python, so that a render machine
+needs neither this add-on nor permission to run scripts.
+
+Direction and position come from the light's matrix, as Cycles takes them: the normalised third
+column towards a sun, the fourth column for a position. Rotation channels (ROT_W ... ROT_Z) would
+point elsewhere than Cycles under a parent that is mirrored or scaled along one axis.
+The radius of a point or spot light is that of its data: Cycles does not scale it with the object.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix, Vector
+
+NAME = "Metallic Paint Lights"
+VERSION = 1
+SLOTS = 8
+METERS_PER_UNIT = "MetersPerUnit"
+
+PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
+_KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
+_MARK = "metallic_paint_lights"  # custom property of the group, holds its version
+
+_DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
+_MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
+
+
+@dataclass(frozen=True)
+class Report:
+    """What became of the scene's lights."""
+
+    slots: tuple[str, ...]  # names of the light objects, slot 1 first
+    left_out: dict[str, str]  # name of a light object: why it makes no sparkles
+    read_only: tuple[str, ...]  # linked files whose paints keep the lights they came with
+
+    def __str__(self) -> str:
+        lines = [f"light {i}: {name}" for i, name in enumerate(self.slots, 1)]
+        lines += [f"no sparkles from {name}: {why}" for name, why in self.left_out.items()]
+        lines += [f"paints linked from {path} do not see these lights" for path in self.read_only]
+        return "\n".join(lines) or "no lights that sparkle"
+
+
+def slot_names(slot: int) -> tuple[str, str, str]:
+    """The shader's names of kind, vector and size of a slot, 1..8."""
+    return f"Light{slot}Kind", f"Light{slot}Vector", f"Light{slot}Size"
+
+
+def node_group() -> bpy.types.ShaderNodeTree:
+    """The file's one group of light slots, made when there is none."""
+    for group in bpy.data.node_groups:
+        if group.get(_MARK) == VERSION and group.library is None:
+            return group
+    return _new_group()
+
+
+def fill(scene: bpy.types.Scene) -> Report:
+    """Gives the slots to the scene's lights; call it again when lights come, go or change type.
+
+    Suns, point and spot lights that render take part. Of more than 8, those stay that send the
+    greatest irradiance to any painted object, not counting shadows, light linking, and nodes of
+    the light. The slots are ordered by name, so a light's sparkles do not change when another
+    light grows brighter.
+    """
+    group = _one_group()
+    _clear(group)
+    layers = [layer for layer in scene.view_layers if layer.use]
+    for layer in layers:
+        layer.update()
+    matrices = _rendered_lights(layers)
+    left_out = _instances(layers, matrices)
+    for light in [light for light in matrices if light.data.type not in _KINDS]:
+        del matrices[light]
+        left_out[light.name] = "an area light lights the paint's mean"
+    lights = sorted(matrices, key=lambda light: light.name)
+    if len(lights) > SLOTS:
+        irradiance = _irradiances(matrices, _painted_boxes(layers))
+        brightest = sorted(lights, key=lambda light: -irradiance[light])
+        for light in brightest[SLOTS:]:
+            left_out[light.name] = f"{SLOTS} brighter lights have the slots"
+        lights = [light for light in lights if light in brightest[:SLOTS]]
+    for slot, light in enumerate(lights, 1):
+        _feed(group, slot, light, matrices[light])
+    group.nodes[METERS_PER_UNIT].outputs[0].default_value = scene.unit_settings.scale_length
+    for layer in layers:
+        layer.update()
+    return Report(tuple(light.name for light in lights), left_out, _linked_files())
+
+
+# --- the group ---------------------------------------------------------------------------------
+
+
+def _new_group() -> bpy.types.ShaderNodeTree:
+    group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    group[_MARK] = VERSION
+    group.description = "The lights that sparkle, shared by all metallic paints of this file"
+    out = group.nodes.new("NodeGroupOutput")
+    out.location.x = 300
+    for slot in range(1, SLOTS + 1):
+        kind, vector, size = slot_names(slot)
+        _add_output(group, out, kind, "ShaderNodeValue", "NodeSocketFloat")
+        _add_output(group, out, vector, "ShaderNodeCombineXYZ", "NodeSocketVector")
+        _add_output(group, out, size, "ShaderNodeValue", "NodeSocketFloat")
+    _add_output(group, out, METERS_PER_UNIT, "ShaderNodeValue", "NodeSocketFloat")
+    _clear(group)
+    return group
+
+
+def _add_output(
+    group: bpy.types.ShaderNodeTree, out: bpy.types.Node, name: str, node: str, socket: str
+) -> None:
+    group.interface.new_socket(name, in_out="OUTPUT", socket_type=socket)
+    source = group.nodes.new(node)
+    source.name = source.label = name
+    source.location.y = -100 * len(group.nodes)
+    group.links.new(source.outputs[0], out.inputs[name])
+
+
+def _clear(group: bpy.types.ShaderNodeTree) -> None:
+    """Every slot unused and without drivers; the scene's unit a metre."""
+    group.animation_data_clear()
+    for slot in range(1, SLOTS + 1):
+        for socket in _inputs(group, slot):
+            socket.default_value = 0
+    group.nodes[METERS_PER_UNIT].outputs[0].default_value = 1
+
+
+def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSocket]:
+    """Where a slot's five numbers are set: kind, x, y, z, size."""
+    kind, vector, size = (group.nodes[name] for name in slot_names(slot))
+    return [kind.outputs[0], *vector.inputs, size.outputs[0]]
+
+
+def _one_group() -> bpy.types.ShaderNodeTree:
+    """The file's group; the copies that appended paints bring along become it."""
+    group = node_group()
+    for other in list(bpy.data.node_groups):
+        if other != group and other.get(_MARK) == VERSION and other.library is None:
+            other.user_remap(group)
+            bpy.data.node_groups.remove(other)
+    return group
+
+
+def _linked_files() -> tuple[str, ...]:
+    groups = bpy.data.node_groups
+    return tuple(sorted({g.library.filepath for g in groups if _MARK in g and g.library}))
+
+
+# --- drivers -----------------------------------------------------------------------------------
+
+
+def _feed(
+    group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object, matrix: Matrix
+) -> None:
+    """Sets the slot's values, and the drivers that keep them so."""
+    kind, x, y, z, size = _inputs(group, slot)
+    kind.default_value = _KINDS[light.data.type]
+    if light.data.type == "SUN":
+        column, expressions, vector = 2, _DIRECTION, matrix.col[2].xyz.normalized()
+        size.default_value = math.sin(light.data.angle / 2)
+        _drive(size, "sin(angle/2)", {"angle": (light.data, "angle")})
+    else:
+        column, expressions, vector = 3, ("x", "y", "z"), matrix.translation
+        size.default_value = light.data.shadow_soft_size
+        _drive(size, "radius", {"radius": (light.data, "shadow_soft_size")})
+    variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
+    for socket, value, expression in zip((x, y, z), vector, expressions, strict=True):
+        socket.default_value = value
+        _drive(socket, expression, variables)
+
+
+def _drive(
+    socket: bpy.types.NodeSocket, expression: str, variables: dict[str, tuple[bpy.types.ID, str]]
+) -> None:
+    driver = socket.driver_add("default_value").driver
+    driver.type = "SCRIPTED"
+    for name, (datablock, path) in variables.items():
+        variable = driver.variables.new()
+        variable.name = name
+        variable.type = "SINGLE_PROP"
+        target = variable.targets[0]
+        target.id_type = "LIGHT" if isinstance(datablock, bpy.types.Light) else "OBJECT"
+        target.id = datablock
+        target.data_path = path
+    driver.expression = expression
+    assert driver.is_simple_expression and driver.is_valid, expression
+
+
+# --- which lights ------------------------------------------------------------------------------
+
+
+def _rendered(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
+    """The objects of a view layer that a render shows."""
+    collections = [layer.layer_collection]
+    while collections:
+        current = collections.pop()
+        if current.exclude or current.collection.hide_render:
+            continue
+        collections.extend(current.children)
+        for thing in current.collection.objects:
+            if not thing.hide_render:
+                yield thing
+
+
+def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object, Matrix]:
+    return {
+        light: light.evaluated_get(layer.depsgraph).matrix_world.copy()
+        for layer in layers
+        for light in _rendered(layer)
+        if light.type == "LIGHT"
+    }
+
+
+def _instances(
+    layers: list[bpy.types.ViewLayer], lights: dict[bpy.types.Object, Matrix]
+) -> dict[str, str]:
+    """Lights that particles, geometry nodes or collection instances multiply."""
+    return {
+        instance.object.name: "an instanced light has no place that a driver could follow"
+        for layer in layers
+        for instance in layer.depsgraph.object_instances
+        if instance.is_instance
+        and instance.object.type == "LIGHT"
+        and instance.object.original not in lights
+    }
+
+
+# --- the brightest -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Box:
+    """An object's bounding box in the world."""
+
+    matrix: Matrix
+    low: Vector
+    high: Vector
+
+    @property
+    def center(self) -> Vector:
+        return self.matrix @ ((self.low + self.high) / 2)
+
+    @property
+    def radius(self) -> float:
+        return (self.matrix.to_3x3() @ (self.high - self.low)).length / 2
+
+    def nearest(self, point: Vector) -> Vector:
+        local = self.matrix.inverted_safe() @ point
+        clamped = (min(max(*pair), top) for *pair, top in zip(local, self.low, self.high))
+        return self.matrix @ Vector(clamped)
+
+
+def _painted_boxes(layers: list[bpy.types.ViewLayer]) -> list[_Box]:
+    """The painted objects; while nothing is painted, every mesh; in an empty scene, the origin."""
+    meshes = [thing for layer in layers for thing in _rendered(layer) if thing.type == "MESH"]
+    painted = [thing for thing in meshes if any(map(_is_paint, thing.material_slots))]
+    boxes = []
+    for thing in painted or meshes:
+        corners = [Vector(corner) for corner in thing.bound_box]
+        low, high = (Vector(map(f, zip(*corners, strict=True))) for f in (min, max))
+        boxes.append(_Box(thing.matrix_world, low, high))
+    return boxes or [_Box(Matrix(), Vector(), Vector())]
+
+
+def _is_paint(slot: bpy.types.MaterialSlot) -> bool:
+    return slot.material is not None and _holds_slots(slot.material.node_tree)
+
+
+def _holds_slots(tree: bpy.types.NodeTree | None) -> bool:
+    if tree is None:
+        return False
+    groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree]
+    return any(_MARK in group or _holds_slots(group) for group in groups)
+
+
+def _irradiances(
+    matrices: dict[bpy.types.Object, Matrix], boxes: list[_Box]
+) -> dict[bpy.types.Object, float]:
+    """The greatest irradiance, W/m², that each light sends to any of the boxes."""
+    return {
+        light: max(_irradiance(light.data, matrix, box) for box in boxes)
+        for light, matrix in matrices.items()
+    }
+
+
+def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
+    strength = light.energy * max(light.color) * 2 ** light.exposure
+    if light.type == "SUN":
+        return strength
+    position = matrix.translation
+    if light.type == "SPOT" and not _spot_reaches(light, matrix, box):
+        return 0.0
+    squared_distance = max(
+        (box.nearest(position) - position).length_squared,
+        light.shadow_soft_size**2,
+        _MIN_SQUARED_DISTANCE,
+    )
+    return strength / (4 * math.pi * squared_distance)
+
+
+def _spot_reaches(light: bpy.types.SpotLight, matrix: Matrix, box: _Box) -> bool:
+    """Whether the spot's cone meets the sphere around the box (cone unscaled)."""
+    towards = box.center - matrix.translation
+    if towards.length <= box.radius:
+        return True
+    axis = -matrix.col[2].xyz
+    margin = math.asin(box.radius / towards.length)
+    return axis.length > 0 and axis.angle(towards) - margin < light.spot_size / 2

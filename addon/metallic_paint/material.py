@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group "Metallic Paint" and materials made of it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import bpy
+
+from . import lights, shader
+from .paint import BINDER, FLAKES, INT_MAX, INT_MIN, PANELS, PARAMETERS, SPARKLE, SUBSTRATE
+from .paint import Paint, shader_value
+
+NAME = "Metallic Paint"
+VERSION = 1  # of the group's interface: sockets are only ever appended within a version
+OUTPUT = "BSDF"
+NORMAL = "Normal"
+MODEL_SCALE = "Model Scale"
+DIAGNOSTICS = "Diagnostics"
+
+_MARK = "metallic_paint"  # custom properties of the group: its version, and its shader's digest
+_SOURCE_MARK = "metallic_paint_source"
+
+_PANEL_DESCRIPTIONS = {
+    FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
+    BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
+    SUBSTRATE: "What lies under the flakes",
+    SPARKLE: "How the sparkles are drawn",
+    DIAGNOSTICS: "Inner values of the shader instead of the paint, for tests",
+}
+
+
+@dataclass(frozen=True)
+class _Extra:
+    """A socket that belongs to the scene or to tests, not to a paint."""
+
+    label: str
+    panel: str
+    minimum: int
+    description: str
+
+
+_EXTRAS = {
+    "Frame": _Extra(
+        "Frame", SPARKLE, INT_MIN,
+        "Another number, another draw of the same flakes. Type #frame to draw anew in each frame",
+    ),
+    "Diagnostic": _Extra(
+        "Diagnostic", DIAGNOSTICS, 0, "0 the paint; otherwise the inner value to emit",
+    ),
+    "DiagnosticLight": _Extra(
+        "Diagnostic Light", DIAGNOSTICS, 0, "The light slot, 1 to 8, whose inner value to emit",
+    ),
+}  # fmt: skip
+
+
+def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
+    """A new material with the paint's values."""
+    group = node_group()
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True  # Blender 4.5
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    node = nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.name = NAME
+    node.width = 240
+    out = nodes.new("ShaderNodeOutputMaterial")
+    out.location.x = 300
+    material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
+    apply(node, paint)
+    return material
+
+
+def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
+    """Sets every socket of a paint that exists to the paint's values."""
+    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    for name, parameter in PARAMETERS.items():
+        value = shader_value(name, getattr(paint, name))
+        socket = node.inputs[parameter.label]
+        socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+
+
+def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
+    """The material's paint node, at the top level of its tree."""
+    for node in material.node_tree.nodes if material.node_tree else ():
+        if node.type == "GROUP" and node.node_tree and _MARK in node.node_tree:
+            return node
+    raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+
+
+def assign(thing: bpy.types.Object, material: bpy.types.Material) -> None:
+    """Paints the whole object: the material takes the place of all that it had."""
+    materials = getattr(thing.data, "materials", None)
+    if materials is None:
+        raise ValueError(f"The object {thing.name!r} ({thing.type}) cannot hold a material.")
+    materials.clear()
+    materials.append(material)
+    thing.material_slots[0].link = "DATA"
+
+
+def set_up_cycles(scene: bpy.types.Scene) -> None:
+    """Makes the scene render with Cycles on the CPU with OSL. For tools; artists choose."""
+    scene.render.engine = "CYCLES"
+    scene.cycles.device = "CPU"
+    scene.cycles.shading_system = True
+
+
+def node_group() -> bpy.types.ShaderNodeTree:
+    """The file's group with today's shader, made when there is none.
+
+    Groups of other versions stay as they are: a paint keeps its look until its owner updates it.
+    """
+    text = shader.source()
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    for group in bpy.data.node_groups:
+        marks = (group.get(_MARK), group.get(_SOURCE_MARK))
+        if marks == (VERSION, digest) and group.library is None:
+            return group
+    group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    try:
+        script = _script_node(group, text)
+        _build(group, script)
+    except Exception:
+        bpy.data.node_groups.remove(group)
+        raise
+    group[_MARK] = VERSION
+    group[_SOURCE_MARK] = digest
+    return group
+
+
+def _script_node(group: bpy.types.ShaderNodeTree, source: str) -> bpy.types.ShaderNodeScript:
+    text = bpy.data.texts.new(shader.FILE)
+    text.write(source)
+    script = group.nodes.new("ShaderNodeScript")
+    script.name = script.label = NAME
+    script.width = 240
+    try:
+        shader.compile_into(script, text)
+        _check_parameters(script)
+    except Exception:
+        bpy.data.texts.remove(text)
+        raise
+    return script
+
+
+def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
+    expected = {parameter.shader for parameter in PARAMETERS.values()}
+    expected |= {*_EXTRAS, NORMAL, lights.METERS_PER_UNIT}
+    for slot in range(1, lights.SLOTS + 1):
+        expected.update(lights.slot_names(slot))
+    found = {socket.identifier for socket in script.inputs}
+    if missing := sorted(expected - found):
+        raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
+    if unknown := sorted(found - expected):
+        raise RuntimeError(f"{shader.FILE} has unknown parameters {', '.join(unknown)}.")
+
+
+def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) -> None:
+    """Gives the group its interface and wires it; the order here is the sockets' for ever."""
+    group.color_tag = "SHADER"
+    group.description = "Metallic paint with sparkling flakes"
+    group.default_group_node_width = 240
+    inside = group.nodes.new("NodeGroupInput")
+    inside.location.x = -500
+    out = group.nodes.new("NodeGroupOutput")
+    out.location.x = 400
+    script_inputs = {socket.identifier: socket for socket in script.inputs}
+
+    group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
+    group.links.new(script.outputs[OUTPUT], out.inputs[OUTPUT])
+    panels = {
+        name: group.interface.new_panel(
+            name, description=_PANEL_DESCRIPTIONS[name], default_closed=name == DIAGNOSTICS
+        )
+        for name in (*PANELS, DIAGNOSTICS)
+    }
+    for name, parameter in PARAMETERS.items():
+        _add_parameter(group, name, panels[parameter.panel])
+        group.links.new(inside.outputs[parameter.label], script_inputs[parameter.shader])
+    for name, extra in _EXTRAS.items():
+        socket = group.interface.new_socket(
+            extra.label, in_out="INPUT", socket_type="NodeSocketInt", parent=panels[extra.panel],
+            description=extra.description,
+        )  # fmt: skip
+        socket.min_value, socket.max_value = extra.minimum, INT_MAX
+        group.links.new(inside.outputs[extra.label], script_inputs[name])
+    _add_normal(group)
+    group.links.new(inside.outputs[NORMAL], script_inputs[NORMAL])
+    _add_model_scale(group, panels[SPARKLE])
+    _wire_lights(group, script_inputs, inside)
+
+
+def _add_parameter(
+    group: bpy.types.ShaderNodeTree, name: str, panel: bpy.types.NodeTreeInterfacePanel
+) -> None:
+    parameter = PARAMETERS[name]
+    default = shader_value(name, getattr(Paint(), name))
+    if parameter.is_color:
+        kind, default = "NodeSocketColor", (*default, 1.0)
+    elif isinstance(default, tuple):
+        kind = "NodeSocketVector"
+    else:
+        kind = "NodeSocketInt" if isinstance(default, int) else "NodeSocketFloat"
+    socket = group.interface.new_socket(
+        parameter.label, in_out="INPUT", socket_type=kind, parent=panel,
+        description=parameter.description,
+    )  # fmt: skip
+    if not parameter.is_color:  # a colour socket has no range of its own: Blender's picker has
+        socket.subtype = parameter.subtype
+        socket.min_value, socket.max_value = parameter.minimum, parameter.maximum
+    socket.default_value = default
+
+
+def _add_normal(group: bpy.types.ShaderNodeTree) -> None:
+    """An unconnected Normal is the shading normal.
+
+    Cycles gives a script parameter that is initialised with N no value from an unlinked socket,
+    neither directly nor through groups, whatever the socket's hidden value is.
+    """
+    socket = group.interface.new_socket(
+        NORMAL, in_out="INPUT", socket_type="NodeSocketVector",
+        description="Normal of the surface, for bump or normal maps",
+    )  # fmt: skip
+    socket.hide_value = True
+
+
+def _add_model_scale(
+    group: bpy.types.ShaderNodeTree, panel: bpy.types.NodeTreeInterfacePanel
+) -> None:
+    socket = group.interface.new_socket(
+        MODEL_SCALE, in_out="INPUT", socket_type="NodeSocketFloat", parent=panel,
+        description="Metres of the real object per metre of the scene: 1 for a life-size model",
+    )  # fmt: skip
+    socket.min_value, socket.max_value, socket.default_value = 1e-6, 1e6, 1
+
+
+def _wire_lights(
+    group: bpy.types.ShaderNodeTree,
+    script_inputs: dict[str, bpy.types.NodeSocket],
+    inside: bpy.types.Node,
+) -> None:
+    """The lights, and how long a unit of the scene is: the scene's, so shared by all paints."""
+    shared = group.nodes.new("ShaderNodeGroup")
+    shared.node_tree = lights.node_group()
+    shared.name = shared.label = lights.NAME
+    shared.location = -500, -700
+    for socket in shared.outputs:
+        if socket.name != lights.METERS_PER_UNIT:
+            group.links.new(socket, script_inputs[socket.name])
+    product = group.nodes.new("ShaderNodeMath")
+    product.operation = "MULTIPLY"
+    product.location = -250, -700
+    group.links.new(shared.outputs[lights.METERS_PER_UNIT], product.inputs[0])
+    group.links.new(inside.outputs[MODEL_SCALE], product.inputs[1])
+    group.links.new(product.outputs[0], script_inputs[lights.METERS_PER_UNIT])

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parameters of a paint, one for one those of the shader, each with its unit and its range.
+
+This is the one place for names, defaults, ranges and explanations: presets, sockets and tests
+read them from the fields' metadata. Nothing here needs Blender.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Color = tuple[float, float, float]
+
+FLAKES, BINDER, SUBSTRATE, SPARKLE = "Flakes", "Binder", "Substrate", "Sparkle"
+PANELS = (FLAKES, BINDER, SUBSTRATE, SPARKLE)
+
+INT_MIN, INT_MAX = -(2**31), 2**31 - 1
+
+
+class PaintError(ValueError):
+    """A paint that cannot be, said in a sentence with field, value and range."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """How one field of a paint is named, bounded and explained."""
+
+    shader: str  # the shader's name of it
+    label: str
+    panel: str
+    minimum: float
+    maximum: float
+    description: str
+    choices: tuple[str, ...] = ()  # words whose positions are the shader's integers
+    subtype: str = "NONE"  # of Blender's socket
+    is_color: bool = False  # chosen as a colour, and so in 0..1
+
+
+def _field(default: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
+    return dataclasses.field(default=default, metadata={"parameter": Parameter(*args, **kwargs)})
+
+
+@dataclass(frozen=True)
+class Paint:
+    """A metallic paint. Colours are linear RGB; every field is checked on construction."""
+
+    flakes_per_mm2: float = _field(
+        3000.0, "FlakesPerMm2", "Flakes per mm²", FLAKES, 0, 1e9,
+        "Flakes in the whole depth of the layer under one square millimetre of surface",
+    )
+    flake_diameter_um: float = _field(
+        20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 0, 1e5,
+        "Diameter of the disk that has the mean area of the flakes, in micrometres",
+    )
+    flake_area_spread: float = _field(
+        0.3, "FlakeAreaSpread", "Flake Area Spread", FLAKES, 0, 100,
+        "Standard deviation of the flakes' area divided by its mean",
+    )
+    orientation: str = _field(
+        "gaussian", "Orientation", "Orientation", FLAKES, 0, 2,
+        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX",
+        choices=("gaussian", "beckmann", "ggx"),
+    )
+    tilt: float = _field(
+        0.15, "Tilt", "Tilt", FLAKES, 1e-6, 100,
+        "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha "
+        "(at most 1) for Beckmann and GGX",
+    )
+    flake_spread: float = _field(
+        0.005, "FlakeSpread", "Flake Spread", FLAKES, 0, 0.5,
+        "Angular radius by which one flake, being wavy and small, spreads the light it reflects",
+        subtype="ANGLE",
+    )
+    flake_color: Color = _field(
+        (0.91, 0.92, 0.92), "FlakeColor", "Flake Color", FLAKES, 0, 1,
+        "Reflectance of a flake at normal incidence", is_color=True,
+    )
+    flake_edge_color: Color = _field(
+        (1.0, 1.0, 1.0), "FlakeEdgeColor", "Flake Edge Color", FLAKES, 0, 1,
+        "Reflectance of a flake at grazing incidence", is_color=True,
+    )
+    flake_transmission: Color = _field(
+        (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
+        "Transmittance of a flake at normal incidence: with the reflectance at most 1",
+        is_color=True,
+    )
+    flake_edge_transmission: Color = _field(
+        (0.0, 0.0, 0.0), "FlakeEdgeTransmission", "Flake Edge Transmission", FLAKES, 0, 1,
+        "Transmittance of a flake at grazing incidence: with the reflectance at most 1",
+        is_color=True,
+    )
+    binder_ior: float = _field(
+        1.5, "BinderIor", "IOR", BINDER, 0.1, 10,
+        "Refractive index of the binder relative to what surrounds the paint",
+    )
+    layer_thickness_um: float = _field(
+        30.0, "LayerThicknessUm", "Layer Thickness (µm)", BINDER, 0, 1e6,
+        "Thickness of the layer that holds the flakes, in micrometres",
+    )
+    binder_absorption_per_mm: Color = _field(
+        (0.0, 0.0, 0.0), "BinderAbsorptionPerMm", "Absorption (1/mm)", BINDER, 0, 1e6,
+        "How much of red, green and blue the binder absorbs per millimetre of path",
+    )
+    rayleigh_per_mm: float = _field(
+        0.0, "RayleighPerMm", "Rayleigh (1/mm)", BINDER, 0, 1e6,
+        "Weight of the scattering by pigment particles, per millimetre",
+    )
+    depth_model: str = _field(
+        "attenuated", "DepthModel", "Depth Model", SPARKLE, 0, 1,
+        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
+        "out instead, with the same mean",
+        choices=("attenuated", "thinned"),
+    )
+    radiometry: str = _field(
+        "exact", "Radiometry", "Radiometry", SPARKLE, 0, 1,
+        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter",
+        choices=("exact", "published"),
+    )
+    seed: int = _field(
+        0, "Seed", "Seed", SPARKLE, INT_MIN, INT_MAX, "Another number, another set of flakes",
+    )
+    substrate_color: Color = _field(
+        (0.02, 0.02, 0.02), "SubstrateColor", "Substrate Color", SUBSTRATE, 0, 1,
+        "Diffuse reflectance of what lies under the flakes", is_color=True,
+    )
+    coat_roughness: float = _field(
+        0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
+        "Roughness of the surface of the binder, which makes the highlight", subtype="FACTOR",
+    )
+
+    def __post_init__(self) -> None:
+        for name, parameter in PARAMETERS.items():
+            object.__setattr__(self, name, _checked(name, getattr(self, name), parameter))
+        if self.orientation != "gaussian" and self.tilt > 1:
+            raise PaintError(
+                f"tilt is {self.tilt} and must lie in 1e-06..1, being the roughness alpha of "
+                f"orientation {self.orientation!r}."
+            )
+        _check_energy("flake_color", self.flake_color, "flake_transmission",
+                      self.flake_transmission)
+        _check_energy("flake_edge_color", self.flake_edge_color, "flake_edge_transmission",
+                      self.flake_edge_transmission)
+
+    @property
+    def flake_coverage(self) -> float:
+        """Flake area per area of surface (the model's D H ⟨S⟩), dimensionless."""
+        return self.flakes_per_mm2 * math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
+
+
+PARAMETERS: dict[str, Parameter] = {
+    field.name: field.metadata["parameter"] for field in dataclasses.fields(Paint)
+}
+_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Paint)}
+
+
+def shader_value(name: str, value: float | str | Color) -> float | int | Color:
+    """A field's value as the shader takes it: words become integers."""
+    choices = PARAMETERS[name].choices
+    return choices.index(value) if choices else value
+
+
+def _checked(name: str, value: object, parameter: Parameter) -> float | int | str | Color:
+    default = _DEFAULTS[name]
+    if parameter.choices:
+        if value not in parameter.choices:
+            raise PaintError(
+                f"{name} is {_shown(value)} and must be one of {', '.join(parameter.choices)}."
+            )
+        return value
+    if isinstance(default, tuple):
+        if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 3:
+            raise PaintError(f"{name} is {_shown(value)} and must be three numbers.")
+        return tuple(
+            float(_number(f"{name}[{i}]", channel, parameter)) for i, channel in enumerate(value)
+        )
+    if isinstance(default, int):
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+            raise PaintError(f"{name} is {_shown(value)} and must be a whole number.")
+        return int(_number(name, value, parameter))
+    return float(_number(name, value, parameter))
+
+
+def _number(name: str, value: object, parameter: Parameter) -> numbers.Real:
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise PaintError(f"{name} is {_shown(value)} and must be a number.")
+    if not parameter.minimum <= value <= parameter.maximum:  # false for NaN too
+        raise PaintError(
+            f"{name} is {_shown(value)} and must lie in "
+            f"{parameter.minimum:g}..{parameter.maximum:g}."
+        )
+    return value
+
+
+def _check_energy(reflectance: str, r: Color, transmittance: str, t: Color) -> None:
+    for i in range(3):
+        if r[i] + t[i] > 1:
+            raise PaintError(
+                f"{reflectance}[{i}] + {transmittance}[{i}] is {r[i]} + {t[i]} and must lie in "
+                "0..1: a flake cannot give back more light than it receives."
+            )
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shader's OSL text as one piece, and its compilation into a script node."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import bpy
+
+_PACKAGE = Path(__file__).resolve().parent
+FOLDERS = (_PACKAGE / "osl", _PACKAGE.parent.parent / "osl")  # installed; in the repository
+FILE = "metallic_paint.osl"
+
+_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*$', re.MULTILINE)
+_COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
+
+
+def source() -> str:
+    """The OSL source with its includes inside: a script node in a .blend finds no files."""
+    for folder in FOLDERS:
+        if (folder / FILE).is_file():
+            return flatten(folder / FILE)
+    raise FileNotFoundError(f"{FILE} is in none of {', '.join(map(str, FOLDERS))}.")
+
+
+def flatten(path: Path) -> str:
+    """The file with every header (.h) at its first mention, and every table (.inc) at each one."""
+    return _flatten(path.resolve(), set(), ())
+
+
+def _flatten(path: Path, seen: set[Path], within: tuple[Path, ...]) -> str:
+    if path in within:
+        raise ValueError(f"{path} includes itself.")
+
+    def included(match: re.Match[str]) -> str:
+        name = match[1]
+        if name in _COMPILERS_OWN:
+            return match[0]
+        file = (path.parent / name).resolve()
+        if file in seen:
+            return ""
+        if not file.is_file():
+            raise FileNotFoundError(f"{path} includes {name!r}, and there is no {file}.")
+        if file.suffix == ".h":
+            seen.add(file)
+        return _flatten(file, seen, (*within, path)).rstrip("\n")
+
+    return _INCLUDE.sub(included, path.read_text(encoding="utf-8"))
+
+
+def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None:
+    """Compiles the text into the node, bytecode inside.
+
+    Blender itself does not tell a failure: the node would render black. Raises RuntimeError with
+    what the compiler said.
+    """
+    node.mode = "INTERNAL"
+    with tempfile.TemporaryFile() as said:
+        with _cycles_scene(), _output_into(said):
+            node.script = text
+        said.seek(0)
+        message = said.read().decode(errors="replace").strip()
+    if not node.bytecode or not node.outputs:
+        raise RuntimeError(
+            f"{text.name} does not compile as OSL: {message or 'the compiler said nothing'}"
+        )
+
+
+@contextmanager
+def _cycles_scene() -> Iterator[None]:
+    """Lends the context a scene that renders with Cycles: in any other, scripts do not compile."""
+    scene = bpy.data.scenes.new("Compiling")
+    scene.render.engine = "CYCLES"
+    try:
+        with bpy.context.temp_override(scene=scene):
+            yield
+    finally:
+        bpy.data.scenes.remove(scene)
+
+
+@contextmanager
+def _output_into(file: IO[bytes]) -> Iterator[None]:
+    """Sends what the process writes into a file: the compiler speaks nowhere else."""
+    streams = [stream for stream in (sys.stdout, sys.stderr) if stream is not None]
+    try:
+        kept = [(fd, os.dup(fd)) for fd in (1, 2)]
+    except OSError:  # a program without a console: nobody hears the compiler
+        yield
+        return
+    try:
+        for stream in streams:
+            stream.flush()
+        for fd, _ in kept:
+            os.dup2(file.fileno(), fd)
+        yield
+    finally:
+        for stream in streams:
+            stream.flush()
+        for fd, copy in kept:
+            os.dup2(copy, fd)
+            os.close(copy)

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The sparkles of one light in one pixel (paper, 5.3.5): how many flakes happen to mirror the
+// light, and the radiance they send, per unit of the light's irradiance on a plane normal to it: T
+// = L/E_n. What no deviate touches comes first
+// (`expect_sparkles`), then the draw (`draw_sparkles`), and the draw's mean and variance in closed
+// form.
+//
+// A sparkling flake shows the light's own radiance E_n/Omega, dimmed by both passages of the
+// surface, by its coating and by the layer above it, and covers the share S
+// cos(alpha)/(cos(theta_p) Sigma) of the pixel. The flux written out, with I(1 - r')/cos(theta'_p)
+// inside the binder and the exit cone transformed like the entry cone, gives the same. The paper's
+// (9) and (1) have cos(theta) for cos(theta_p): Radiometry::published. With Omega the solid angle
+// of the light seen from outside, E[T] = cos(theta') f with the reciprocal BRDF of the layer's
+// single scattering
+//   f = D H <S> p(n_f) r_p A (1 - r)(1 - r')/(4 eta^2 cos(theta_p) cos(theta'_p)).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coating.h"
+#include "flake_area.h"
+#include "light.h"
+#include "optical_thickness.h"
+#include "orientation.h"
+#include "poisson.h"
+#include "random.h"
+#include "refraction.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+enum class DepthModel {
+  attenuated = 0,
+  thinned = 1
+};  // with, without masking and shadowing (paper, 5.3.2)
+enum class Radiometry { exact = 0, published = 1 };
+
+// A paint as the evaluation needs it. SI units; made and checked by `make_layer` (paint.h).
+template <class T>
+struct Layer {
+  T areal_density;      // D H, flakes per m2 of paint
+  T flake_area;         // mean of the area's normal deviate, m2
+  T area_spread;        // its standard deviation over its mean
+  AreaMoments<T> area;  // moments of the area in units of flake_area
+  T coverage;           // D H <S>
+  OrientationDensity<T> orientation;
+  T flake_solid_angle;  // pi epsilon^2: what the flake itself adds to the light's cone, sr in the
+                        // binder
+  Coating<T> coating;
+  T eta;
+  Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
+  DepthModel depth_model;
+  Radiometry radiometry;
+  const ProjectionTable<T>* table = nullptr;  // <s> - <t_p> from a table instead of exactly
+};
+
+// Where the paint is looked at. The view is a unit vector towards the observer.
+template <class T>
+struct SurfacePoint {
+  Vec3<T> position, normal, view;
+  T footprint;  // Sigma, area of the pixel's projection on the surface, m2
+  int pixel_x, pixel_y;
+};
+
+// Everything about the sparkles of a light in a pixel but the deviates.
+template <class T>
+struct ExpectedSparkles {
+  T mean_count{};         // <N>
+  int slots{};            // 0: Poisson; k: binomial with k places
+  T fill{1};              // mean flake areas that fill the pixel
+  AreaMoments<T> area{};  // moments of min(X, fill)
+  Rgb<T> slant{};         // optical depth of the layer, there and back: t H
+  Rgb<T> mirror{};        // T of a pixel filled by an undimmed sparkle
+  T ceiling{};            // T of a pixel filled by a perfect mirror: nothing exceeds it
+};
+
+template <class T>
+struct Sparkles {
+  T count{};
+  Rgb<T> radiance{};  // T
+};
+
+// The optical depth of the layer along view and light, given the cosines in the binder.
+template <class T>
+Rgb<T> slant_depth_of(const Layer<T>& layer, T cos_in) {
+  return slant_depth(layer.coverage,
+                     blocked_area(layer.orientation, layer.coating, layer.table, cos_in),
+                     layer.binder_depth, cos_in);
+}
+
+// A pixel that one flake can fill (ours). Where fewer than this many mean flakes fill the pixel,
+// the count is binomial with as many places as flakes fit, so that the sum stays under the mirror's
+// radiance with the same mean.
+inline constexpr int kPoissonSlots = 16;
+
+// `slant` overrides the layer's own optical depth t H where it is given (validation against other
+// codes).
+template <class T>
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>& point,
+                                    const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
+  ExpectedSparkles<T> expected;
+  const bool published = layer.radiometry == Radiometry::published;
+  const T cos_view = std::min(dot(point.normal, point.view), T(1));
+  const T cos_light = std::min(dot(point.normal, light.direction), T(1));
+  // A light or an observer below the surface gives no sparkle.
+  if (!light.visible || !(cos_view > 0) || !(cos_light > 0) || !(point.footprint > 0))
+    return expected;
+
+  // Into the binder (paper, eq. 8). g = eta cos(theta_p); 0 means total reflection.
+  const T eta = layer.eta;
+  const T g_view = eta_cos_refracted(cos_view, eta);
+  const T g_light = eta_cos_refracted(cos_light, eta);
+  if (!(g_view > 0) || !(g_light > 0)) return expected;
+  const Vec3<T> view_in = refract_direction(point.view, point.normal, cos_view, g_view, eta);
+  const Vec3<T> light_in =
+      refract_direction(light.direction, point.normal, cos_light, g_light, eta);
+  const T cos_view_in = std::min(g_view / eta, T(1));
+  const T cos_light_in = std::min(g_light / eta, T(1));
+
+  // The flake that mirrors one into the other: cos(alpha) = |v + v'|/2, sin(beta/2) = |n - n_f|/2.
+  const Vec3<T> sum = view_in + light_in;
+  const T sum_length = length(sum);
+  const T cos_alpha = std::min(T(0.5) * sum_length, T(1));
+  const Vec3<T> tilt = point.normal - sum / sum_length;
+  const T sin2_half_beta = std::min(T(0.25) * dot(tilt, tilt), T(0.5));
+
+  // The light's cone in the binder (paper, eq. 7) and the flake's own spread: Delta_eff^2 = Delta^2
+  // + epsilon^2. Published: pi Delta_a^2; exact: the true solid angle 4 pi sin^2(Delta_a/2).
+  constexpr T pi = std::numbers::pi_v<T>;
+  const T outside =
+      published ? pi * squared_angle(light.sin2_half_radius) : 4 * pi * light.sin2_half_radius;
+  const T ratio = solid_angle_ratio(cos_light, g_light, eta);
+  const T inside = outside * ratio + layer.flake_solid_angle;
+  if (!(inside > 0)) return expected;  // a point light on perfect mirrors: no flake ever meets it
+
+  // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4); at most 1.
+  const T density = orientation_density(layer.orientation, sin2_half_beta);
+  const T probability = std::min(density * inside / (8 * pi * cos_alpha), T(1));
+
+  // Optical depth there and back, and what it leaves on average of a beam to a random depth: A = (1
+  // - e^-tH)/tH.
+  expected.slant = slant != nullptr
+                       ? *slant
+                       : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  const T surface =
+      fresnel_transmittance(cos_view, g_view, eta) * fresnel_transmittance(cos_light, g_light, eta);
+  // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside
+  // that belongs to `inside` is inside/ratio.
+  expected.ceiling = surface * ratio / inside;
+  expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
+  T visible = 1;
+  if (layer.depth_model == DepthModel::thinned) {
+    // Only the neither masked nor shadowed flakes count (paper, eq. 6), as many as the least
+    // absorbed colour sees; what the other colours lose besides dims them all alike.
+    const Rgb<T> transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
+    visible = max_component(transmitted);
+    if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
+    expected.slant = {};
+  }
+
+  // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
+  const T cos_exit = published ? cos_view : cos_view_in;
+  expected.fill = point.footprint * cos_exit / (layer.flake_area * cos_alpha);
+  expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
+  T enlarged = 1;
+  if (expected.area.mean < layer.area.mean) enlarged = layer.area.mean / expected.area.mean;
+  // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
+  expected.mean_count = layer.areal_density * point.footprint * enlarged * probability * visible;
+
+  const T places = expected.fill / layer.area.mean;
+  if (places < T(kPoissonSlots)) {
+    // Where sparkles overlap (large lights on dense flakes) the Poisson count stays.
+    const int slots = static_cast<int>(std::max(places, T(1)));
+    if (expected.mean_count <= static_cast<T>(slots)) expected.slots = slots;
+  } else if (published && expected.mean_count < T(0.1)) {
+    expected.slots = 1;  // the paper's Bernoulli rule (step 3)
+  }
+  return expected;
+}
+
+// Mean and mean square of what one sparkle adds, per colour, relative to a filled, undimmed pixel:
+// Y = min(X, fill)/fill e^(-x u), u uniform, x the optical depth.
+template <class T>
+Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
+  const T share = expected.area.mean / expected.fill;
+  return map(expected.slant, [&](T x) { return share * mean_transmittance(x); });
+}
+template <class T>
+Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
+  const T share = expected.area.square / expected.fill / expected.fill;
+  return map(expected.slant, [&](T x) { return share * mean_transmittance(2 * x); });
+}
+
+// E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.
+template <class T>
+Rgb<T> mean_radiance(const ExpectedSparkles<T>& expected) {
+  return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
+}
+
+// Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
+template <class T>
+Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
+  Rgb<T> variance = mean_square_sparkle(expected) * expected.mean_count;
+  if (expected.slots > 0) {
+    const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
+    variance = variance - mean * mean / static_cast<T>(expected.slots);
+  }
+  return expected.mirror * expected.mirror * variance;
+}
+
+// So many sparkles of a pixel are drawn one by one.
+inline constexpr int kDrawnSparkles = 16;
+
+// One sparkle's Y: its area by the words x and y, its depth by the word z.
+template <class T>
+Rgb<T> draw_sparkle(const ExpectedSparkles<T>& expected, T area_spread, HashWords words) {
+  T area = 1;
+  if (area_spread > 0) {
+    area = std::max(1 + area_spread * normal_quantile(uniform_48<T>(words.x, words.y)), T(0));
+  }
+  const T share = std::min(area, expected.fill) / expected.fill;
+  const T depth = uniform_23<T>(words.z);
+  return map(expected.slant, [&](T x) { return x > 0 ? share * exponential(-x * depth) : share; });
+}
+
+// The count and the radiance of this pixel. Up to kDrawnSparkles sparkles are drawn one by one.
+// Above, where the sum is far enough from zero, it is a normal deviate with the exact mean and
+// variance of the sum given N; otherwise that many representatives stand for the rest, spread by
+// sqrt(N/n): same mean and variance, never negative.
+template <class T>
+Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, HashWords key,
+                          int pixel_x, int pixel_y) {
+  Sparkles<T> sparkles;
+  if (!(expected.mean_count > 0)) return sparkles;
+  const HashWords words = draw_words(key, pixel_x, pixel_y, 0);
+  const T count =
+      count_deviate(expected.mean_count, expected.slots, uniform_48<T>(words.x, words.y));
+  if (count <= 0) return sparkles;
+  sparkles.count = count;
+
+  Rgb<T> sum{};
+  if (count <= T(kDrawnSparkles)) {
+    const int n = static_cast<int>(count);
+    for (int i = 1; i <= n; ++i) {
+      sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
+    }
+  } else {
+    const Rgb<T> mean = mean_sparkle(expected);
+    const Rgb<T> variance =
+        map(mean_square_sparkle(expected) - mean * mean, [](T v) { return std::max(v, T(0)); });
+    // No normal deviate from 48 bits is below -8, so a mean of 8 standard deviations keeps the sum
+    // positive.
+    const Rgb<T> margin = mean * mean * count - variance * T(64);
+    if (std::min(std::min(margin.x, margin.y), margin.z) >= 0) {
+      const T w = std::sqrt(count) * normal_quantile(uniform_48<T>(words.z, words.w));
+      sum = mean * count + map(variance, [&](T v) { return w * std::sqrt(v); });
+    } else {
+      for (int i = 1; i <= kDrawnSparkles; ++i) {
+        sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
+      }
+      const T n = T(kDrawnSparkles);
+      sum = mean * count + (sum - mean * n) * std::sqrt(count / n);
+    }
+  }
+  // No pixel outshines the light in a mirror (ours).
+  sparkles.radiance = map(expected.mirror * sum,
+                          [&](T t) { return std::min(std::max(t, T(0)), expected.ceiling); });
+  return sparkles;
+}
+
+// The mean as a BRDF (1/sr): single scattering by the flakes under light of any size and kind,
+//   f = D H <S> p(n_f) r_p A (1 - r)(1 - r')/(4 eta^2 cos(theta_p) cos(theta'_p)),
+// published: times cos(theta_p)/cos(theta), which is not reciprocal. Unit vectors, all pointing
+// away from the surface; 0 where one of them lies below it.
+template <class T>
+Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> light) {
+  const T cos_view = dot(normal, view), cos_light = dot(normal, light);
+  if (!(cos_view > 0) || !(cos_light > 0)) return {};
+  const T eta = layer.eta;
+  const T g_view = eta_cos_refracted(cos_view, eta), g_light = eta_cos_refracted(cos_light, eta);
+  if (!(g_view > 0) || !(g_light > 0)) return {};
+  const Vec3<T> sum = refract_direction(view, normal, cos_view, g_view, eta) +
+                      refract_direction(light, normal, cos_light, g_light, eta);
+  const Vec3<T> tilt = normal - sum / length(sum);
+  const T p = orientation_density(layer.orientation, std::min(T(0.25) * dot(tilt, tilt), T(0.5))) /
+              (2 * std::numbers::pi_v<T>);
+  const Rgb<T> slant = slant_depth_of(layer, std::min(g_view / eta, T(1))) +
+                       slant_depth_of(layer, std::min(g_light / eta, T(1)));
+  const Rgb<T> colour = coating_reflectance(layer.coating, std::min(length(sum) / 2, T(1))) *
+                        map(slant, [](T x) { return mean_transmittance(x); });
+  const T exit = layer.radiometry == Radiometry::published ? eta * cos_view : g_view;
+  return colour * (layer.coverage * p * fresnel_transmittance(cos_view, g_view, eta) *
+                   fresnel_transmittance(cos_light, g_light, eta) / (4 * exit * g_light));
+}
+
+}  // namespace metallic_paint

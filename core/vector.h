@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The little that the model needs of vectors and colours: what OSL has built in.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace metallic_paint {
+
+// A direction or a point (x, y, z), or a colour (R, G, B) in linear light.
+template <class T>
+struct Vec3 {
+  T x{}, y{}, z{};
+
+  template <class U>
+  explicit operator Vec3<U>() const {
+    return {static_cast<U>(x), static_cast<U>(y), static_cast<U>(z)};
+  }
+};
+
+template <class T>
+Vec3<T> operator+(Vec3<T> a, Vec3<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+Vec3<T> operator-(Vec3<T> a, Vec3<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vec3<T> operator*(Vec3<T> a, Vec3<T> b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+template <class T>
+Vec3<T> operator*(Vec3<T> a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+template <class T>
+Vec3<T> operator/(Vec3<T> a, T s) {
+  return {a.x / s, a.y / s, a.z / s};
+}
+
+template <class T>
+T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+T length(Vec3<T> a) {
+  return std::sqrt(dot(a, a));
+}
+
+// f of each component: colours go channel by channel.
+template <class T, class F>
+Vec3<T> map(Vec3<T> a, F f) {
+  return {f(a.x), f(a.y), f(a.z)};
+}
+template <class T>
+T max_component(Vec3<T> a) {
+  return std::max(std::max(a.x, a.y), a.z);
+}
+
+template <class T>
+using Rgb = Vec3<T>;
+template <class T>
+Rgb<T> grey(T value) {
+  return {value, value, value};
+}
+
+}  // namespace metallic_paint

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A light's sparkles as a closure: Cycles' glossy_toon about the mirror direction, of half-angle rho, has the value
+// 1/(2 pi (1 - cos rho)) inside, so the weight T 4 pi sin^2(rho/2) gives the radiance T E_n under a light of normal irradiance E_n
+// anywhere in the cone. The cone holds its light and no other; it is the renderer that lights, colours and shadows.
+#pragma once
+
+#include "stdcycles.h"
+#include "light.h"
+#include "random.h"
+
+// Cycles drops closures whose weight averages below 1e-5: cones are widened to stay above.
+#define LEAST_WEIGHT 2e-5
+// Half-angle margin to the edge of a light; see LEAST_GAP.
+#define CONE_MARGIN 1e-3
+#define NARROW_CONE 0.02
+#define WIDEST_CONE 0.5
+
+float angular_radius(SeenLight light)
+{
+  return 2.0 * asin(min(sqrt(light.sin2_half_radius), 1.0));
+}
+
+float angle_between(SeenLight a, SeenLight b)
+{
+  return 2.0 * asin(min(0.5 * length(a.direction - b.direction), 1.0));
+}
+
+// `radiance` is T; least and most bound the half-angle; roulette in (0, 1) decides where even the widest cone stays
+// below the least weight: kept with that probability, at the least weight, so that the mean stands.
+closure color sparkle_cone(color radiance, vector view, vector direction, float least, float most,
+                           float roulette)
+{
+  closure color none = 0;
+  float average = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
+  if (!(average > 0.0))
+    return none;
+  // Solid angle 4 pi sin^2(rho/2) that gives twice the least weight.
+  float wanted = 2.0 * asin(sqrt(min(2.0 * LEAST_WEIGHT / (4.0 * M_PI * average), 0.5)));
+  float rho = clamp(max(wanted, NARROW_CONE), least, max(most, least));
+  rho = min(rho, max(WIDEST_CONE, least));
+  float s = sin(0.5 * rho);
+  float solid_angle = 4.0 * M_PI * s * s;
+  color weight = radiance * solid_angle;
+  float keep = average * solid_angle / LEAST_WEIGHT;
+  if (keep < 1.0) {
+    if (roulette > keep)
+      return none;
+    weight = weight / keep;
+  }
+  return weight * glossy_toon(normalize(view + direction), rho / M_PI_2, 0.0);
+}

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How the layer dims light on its way: see core/optical_thickness.h.
+#pragma once
+
+#include "coating.h"
+#include "orientation.h"
+
+color blocked_area(OrientationDensity density, Coating coating, float cos_theta)
+{
+  float area = mean_projected_area(density, cos_theta);
+  return (color(1.0) - coating.transmittance) * area;
+}
+
+color slant_depth(float coverage, color blocked, color binder_depth, float cos_theta)
+{
+  return (blocked * coverage + binder_depth) / max(cos_theta, 1e-8);
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The orientation of the flakes, P(beta), and their mean projected area <s>: see core/orientation.h.
+#pragma once
+
+#include "elementary.h"
+#include "quadrature.h"
+
+#define ORIENTATION_GAUSSIAN 0
+#define ORIENTATION_BECKMANN 1
+#define ORIENTATION_GGX 2
+#define GAUSSIAN_REACH 5.5
+#define HALF_PI 1.57079633
+
+struct OrientationDensity {
+  int kind;
+  float tilt;
+  float norm;
+  float mean_cos;
+};
+
+float dawson_series(float y)
+{
+  return 1.0 - y / 3.0 * (1.0 - y / 5.0 * (1.0 - y / 7.0 * (1.0 - y / 9.0 * (1.0 - y / 11.0 *
+         (1.0 - y / 13.0 * (1.0 - y / 15.0))))));
+}
+
+OrientationDensity make_orientation(int kind, float tilt)
+{
+  OrientationDensity density;
+  density.kind = kind;
+  density.tilt = tilt;
+  float square = tilt * tilt;
+  if (kind == ORIENTATION_GAUSSIAN) {
+    if (square <= 0.08) {
+      density.norm = square * dawson_series(square);
+      density.mean_cos = dawson_series(4.0 * square) / dawson_series(square);
+      return density;
+    }
+    float node[12];
+    float weight[12];
+    gauss_rule(node, weight);
+    float limit = min(HALF_PI, GAUSSIAN_REACH * tilt);
+    float sum = 0.0;
+    float sum_cos = 0.0;
+    for (int i = 0; i < GAUSS_POINTS; ++i) {
+      float beta = limit * node[i];
+      float x = beta / tilt;
+      float term = weight[i] * exponential(-0.5 * x * x) * sine(beta);
+      sum = sum + term;
+      sum_cos = sum_cos + term * cosine(beta);
+    }
+    density.norm = limit * sum;
+    density.mean_cos = sum_cos / sum;
+  }
+  else if (kind == ORIENTATION_BECKMANN) {
+    float root_half = 0.707106781;
+    density.mean_cos = 1.0 / (1.0 + root_half * tilt * mills_ratio(2.0 * root_half / tilt));
+    density.norm = square / (2.0 * density.mean_cos);
+  }
+  else {
+    float w2 = (1.0 - tilt) * (1.0 + tilt);
+    float artanh_over_w = 1.0 + w2 * (1.0 / 3.0 + w2 * (1.0 / 5.0 + w2 / 7.0));
+    if (w2 > 0.0025) {
+      float w = sqrt(w2);
+      artanh_over_w = logarithm((1.0 + w) / tilt) / w;
+    }
+    float ratio = 1.0 + square * artanh_over_w;
+    density.norm = ratio / (2.0 * square);
+    density.mean_cos = 1.0 / ratio;
+  }
+  return density;
+}
+
+float orientation_density(OrientationDensity density, float sin2_half_beta)
+{
+  float square = density.tilt * density.tilt;
+  if (density.kind == ORIENTATION_GAUSSIAN)
+    return exponential(-0.5 * (squared_angle(sin2_half_beta) / square)) / density.norm;
+  float cos_beta = 1.0 - 2.0 * sin2_half_beta;
+  float sin2 = 4.0 * sin2_half_beta * (1.0 - sin2_half_beta);
+  if (density.kind == ORIENTATION_BECKMANN) {
+    float cos2 = cos_beta * cos_beta;
+    if (cos2 < 1e-9)
+      return 0.0;
+    return exponential(-(sin2 / cos2) / square) / (cos2 * cos2 * density.norm);
+  }
+  float d = square + (1.0 - square) * sin2;
+  return 1.0 / (d * d * density.norm);
+}
+
+float gaussian_back_area(OrientationDensity density, float cos_theta)
+{
+  float b0 = HALF_PI - arccosine(cos_theta);
+  float reach = GAUSSIAN_REACH * density.tilt;
+  float limit = min(HALF_PI, b0 + reach);
+  if (b0 >= reach || b0 >= limit)
+    return 0.0;
+  float node[12];
+  float weight[12];
+  gauss_rule(node, weight);
+  float sin_theta = sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+  float sum = 0.0;
+  for (int i = 0; i < GAUSS_POINTS; ++i) {
+    float x = node[i];
+    float b = b0 + (limit - b0) * x * x;
+    float sin_b = sine(b);
+    float a = cos_theta * cosine(b);
+    float c = sin_theta * sin_b;
+    if (a < c) {
+      float back = sqrt((c - a) * (c + a)) - a * arccosine(a / c);
+      float tilts = b / density.tilt;
+      sum = sum + weight[i] * x * exponential(-0.5 * tilts * tilts) * sin_b * back;
+    }
+  }
+  return 2.0 * (limit - b0) * sum / (M_PI * density.norm);
+}
+
+float mean_projected_area(OrientationDensity density, float cos_theta)
+{
+  if (density.kind == ORIENTATION_GAUSSIAN)
+    return cos_theta * density.mean_cos + 2.0 * gaussian_back_area(density, cos_theta);
+  float sin_theta = sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+  float spread = density.tilt * sin_theta;
+  if (density.kind == ORIENTATION_GGX)
+    return density.mean_cos * sqrt(cos_theta * cos_theta + spread * spread);
+  if (cos_theta > 6.0 * spread)
+    return density.mean_cos * cos_theta;
+  float x = 1.41421356 * cos_theta / spread;
+  float two_tails = 2.0 * normal_density(x) * mills_ratio(x);
+  float edge = 1.41421356 * spread * normal_density(x);
+  return density.mean_cos * (cos_theta * (1.0 - two_tails) + edge);
+}

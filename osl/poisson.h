@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How many flakes sparkle: see core/poisson.h.
+#pragma once
+
+#include "elementary.h"
+
+#define POISSON_CLOSED_FORM 32.0
+#define MAX_MEAN_COUNT 1e18
+
+float count_deviate(float mean, int slots, float deviate)
+{
+  if (!(mean > 0.0))
+    return 0.0;
+  if (slots > 0) {
+    float q = mean / (float)slots;
+    if (q >= 1.0)
+      return (float)slots;
+    float term = 1.0;
+    float survival = 0.0;
+    for (int k = 0; k < slots; ++k) {
+      survival = survival * (1.0 - q) + q;
+      term = term * (1.0 - q);
+    }
+    float odds = q / (1.0 - q);
+    int n = 0;
+    while (n < slots && deviate < survival) {
+      n = n + 1;
+      term = term * ((float)(slots - n + 1) / (float)n * odds);
+      survival = survival - term;
+    }
+    return (float)n;
+  }
+  if (mean < POISSON_CLOSED_FORM) {
+    float term = exponential(-mean);
+    float survival = mean * mean_transmittance(mean);
+    float n = 0.0;
+    while (deviate < survival) {
+      n = n + 1.0;
+      term = term * mean / n;
+      float next = survival - term;
+      if (n > mean && next == survival)
+        break;
+      survival = next;
+    }
+    return n;
+  }
+  float lambda = min(mean, MAX_MEAN_COUNT);
+  float root = sqrt(lambda);
+  float w = -normal_quantile(deviate);
+  float shift = 1.0 / 3.0 + w * w / 6.0 - w * (1.0 / 36.0 + w * w / 72.0) / root;
+  return max(floor(lambda + (root * w + shift)), 0.0);
+}

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The sparkles of one light in one pixel: see core/sparkles.h for the model and its derivation.
+#pragma once
+
+#include "coating.h"
+#include "flake_area.h"
+#include "light.h"
+#include "optical_thickness.h"
+#include "orientation.h"
+#include "poisson.h"
+#include "random.h"
+#include "refraction.h"
+
+#define DEPTH_ATTENUATED 0
+#define DEPTH_THINNED 1
+#define RADIOMETRY_EXACT 0
+#define RADIOMETRY_PUBLISHED 1
+#define POISSON_SLOTS 16
+#define DRAWN_SPARKLES 16
+
+struct Layer {
+  float areal_density;
+  float flake_area;
+  float area_spread;
+  AreaMoments area;
+  float coverage;
+  OrientationDensity orientation;
+  float flake_solid_angle;
+  Coating coating;
+  float eta;
+  color binder_depth;
+  int depth_model;
+  int radiometry;
+};
+
+struct SurfacePoint {
+  point position;
+  vector n;
+  vector view;
+  float footprint;
+  int pixel_x;
+  int pixel_y;
+};
+
+struct ExpectedSparkles {
+  float mean_count;
+  int slots;
+  float fill;
+  AreaMoments area;
+  color slant;
+  color mirror;
+  float ceiling;
+};
+
+struct Sparkles {
+  float count;
+  color radiance;
+};
+
+color slant_depth_of(Layer layer, float cos_in)
+{
+  return slant_depth(layer.coverage, blocked_area(layer.orientation, layer.coating, cos_in),
+                     layer.binder_depth, cos_in);
+}
+
+color mean_transmittance(color x)
+{
+  return color(mean_transmittance(x[0]), mean_transmittance(x[1]), mean_transmittance(x[2]));
+}
+
+ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight light)
+{
+  ExpectedSparkles expected;
+  expected.mean_count = 0.0;
+  expected.slots = 0;
+  expected.fill = 1.0;
+  expected.area = layer.area;
+  expected.slant = color(0.0);
+  expected.mirror = color(0.0);
+  expected.ceiling = 0.0;
+  float cos_view = min(dot(surface.n, surface.view), 1.0);
+  float cos_light = min(dot(surface.n, light.direction), 1.0);
+  if (!light.visible || !(cos_view > 0.0) || !(cos_light > 0.0) || !(surface.footprint > 0.0))
+    return expected;
+
+  float eta = layer.eta;
+  float g_view = eta_cos_refracted(cos_view, eta);
+  float g_light = eta_cos_refracted(cos_light, eta);
+  if (!(g_view > 0.0) || !(g_light > 0.0))
+    return expected;
+  vector view_in = refract_direction(surface.view, surface.n, cos_view, g_view, eta);
+  vector light_in = refract_direction(light.direction, surface.n, cos_light, g_light, eta);
+  float cos_view_in = min(g_view / eta, 1.0);
+  float cos_light_in = min(g_light / eta, 1.0);
+
+  vector sum = view_in + light_in;
+  float sum_length = sqrt(dot(sum, sum));
+  float cos_alpha = min(0.5 * sum_length, 1.0);
+  vector tilt = surface.n - sum / sum_length;
+  float sin2_half_beta = min(0.25 * dot(tilt, tilt), 0.5);
+
+  float outside = 4.0 * M_PI * light.sin2_half_radius;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    outside = M_PI * squared_angle(light.sin2_half_radius);
+  float ratio = solid_angle_ratio(cos_light, g_light, eta);
+  float inside = outside * ratio + layer.flake_solid_angle;
+  if (!(inside > 0.0))
+    return expected;
+
+  float density = orientation_density(layer.orientation, sin2_half_beta);
+  float probability = min(density * inside / (8.0 * M_PI * cos_alpha), 1.0);
+
+  expected.slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  float surface_transmittance = fresnel_transmittance(cos_view, g_view, eta) *
+                                fresnel_transmittance(cos_light, g_light, eta);
+  expected.ceiling = surface_transmittance * ratio / inside;
+  expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
+  float visible = 1.0;
+  if (layer.depth_model == DEPTH_THINNED) {
+    color transmitted = mean_transmittance(expected.slant);
+    visible = max(max(transmitted[0], transmitted[1]), transmitted[2]);
+    if (visible > 0.0)
+      expected.mirror = expected.mirror * (transmitted / visible);
+    expected.slant = color(0.0);
+  }
+
+  float cos_exit = cos_view_in;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    cos_exit = cos_view;
+  expected.fill = surface.footprint * cos_exit / (layer.flake_area * cos_alpha);
+  expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
+  float enlarged = 1.0;
+  if (expected.area.mean < layer.area.mean)
+    enlarged = layer.area.mean / expected.area.mean;
+  expected.mean_count = layer.areal_density * surface.footprint * enlarged * probability * visible;
+
+  float places = expected.fill / layer.area.mean;
+  if (places < (float)POISSON_SLOTS) {
+    int slots = (int)max(places, 1.0);
+    if (expected.mean_count <= (float)slots)
+      expected.slots = slots;
+  }
+  else if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.mean_count < 0.1) {
+    expected.slots = 1;
+  }
+  return expected;
+}
+
+color mean_sparkle(ExpectedSparkles expected)
+{
+  float share = expected.area.mean / expected.fill;
+  return share * mean_transmittance(expected.slant);
+}
+
+color mean_square_sparkle(ExpectedSparkles expected)
+{
+  float share = expected.area.square / expected.fill / expected.fill;
+  return share * mean_transmittance(2.0 * expected.slant);
+}
+
+color mean_radiance(ExpectedSparkles expected)
+{
+  return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
+}
+
+float dimmed(float share, float x, float depth)
+{
+  if (x > 0.0)
+    return share * exponential(-x * depth);
+  return share;
+}
+
+color draw_sparkle(ExpectedSparkles expected, float area_spread, HashWords words)
+{
+  float area = 1.0;
+  if (area_spread > 0.0)
+    area = max(1.0 + area_spread * normal_quantile(uniform_48(words.x, words.y)), 0.0);
+  float share = min(area, expected.fill) / expected.fill;
+  float depth = uniform_23(words.z);
+  return color(dimmed(share, expected.slant[0], depth), dimmed(share, expected.slant[1], depth),
+               dimmed(share, expected.slant[2], depth));
+}
+
+Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords key, int pixel_x,
+                       int pixel_y)
+{
+  Sparkles sparkles;
+  sparkles.count = 0.0;
+  sparkles.radiance = color(0.0);
+  if (!(expected.mean_count > 0.0))
+    return sparkles;
+  HashWords words = draw_words(key, pixel_x, pixel_y, 0);
+  float count = count_deviate(expected.mean_count, expected.slots, uniform_48(words.x, words.y));
+  if (count <= 0.0)
+    return sparkles;
+  sparkles.count = count;
+
+  color sum = color(0.0);
+  if (count <= (float)DRAWN_SPARKLES) {
+    int n = (int)count;
+    for (int i = 1; i <= n; ++i)
+      sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
+  }
+  else {
+    color mean = mean_sparkle(expected);
+    color variance = max(mean_square_sparkle(expected) - mean * mean, color(0.0));
+    color margin = mean * mean * count - variance * 64.0;
+    if (min(min(margin[0], margin[1]), margin[2]) >= 0.0) {
+      float w = sqrt(count) * normal_quantile(uniform_48(words.z, words.w));
+      sum = mean * count + w * sqrt(variance);
+    }
+    else {
+      for (int i = 1; i <= DRAWN_SPARKLES; ++i)
+        sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
+      float n = (float)DRAWN_SPARKLES;
+      sum = mean * count + (sum - mean * n) * sqrt(count / n);
+    }
+  }
+  sparkles.radiance = min(max(expected.mirror * sum, color(0.0)), color(expected.ceiling));
+  return sparkles;
+}

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Python environments under build/, brought up to date only when their inputs changed.
+
+Run as a program, this prepares the Blender that every machine can have.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from processes import BUILD, ROOT, StepFailedError, run_step, say, stop_children_on_sigterm
+
+REQUIREMENTS = ROOT / "requirements"
+WHEEL_SOURCES = ("CMakeLists.txt", "VERSION", "pyproject.toml", "core", "bindings")
+
+
+@dataclass(frozen=True)
+class Environment:
+    name: str
+    requirements: Path
+    contents: str
+    note: str = ""
+
+    @property
+    def folder(self) -> Path:
+        return BUILD / f"env-{self.name}"
+
+    @property
+    def python(self) -> Path:
+        return self.folder / "bin" / "python"
+
+    @property
+    def installed(self) -> Path:
+        """Holds the digest of what pip installed."""
+        return self.folder / ".requirements"
+
+
+@dataclass(frozen=True)
+class Blender:
+    """A Blender as a Python module, which fits one version of Python only."""
+
+    version: str
+    python_version: str
+
+    @property
+    def environment(self) -> Environment:
+        return Environment(
+            self.python_version,
+            REQUIREMENTS / f"blender-{self.version}.txt",
+            f"Blender {self.version}",
+            " (350 MB, once)",
+        )
+
+    @property
+    def python(self) -> Path:
+        return self.environment.python
+
+
+FIRST_BLENDER = Blender("4.5", "3.11")  # the Python of Debian 12
+BLENDERS = (FIRST_BLENDER, Blender("5.2", "3.13"))
+TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and linters")
+
+
+def prepare_tools() -> None:
+    with _alone():
+        _install(TOOLS, Path(sys.executable), [])
+
+
+def prepare(blender: Blender) -> None:
+    python = find_python(blender.python_version)
+    if python is None:
+        raise StepFailedError(
+            f"Blender {blender.version} needs a Python {blender.python_version} with its venv "
+            "module and its headers, and there is none here."
+        )
+    with _alone():
+        _install(blender.environment, python, _build_requirements())
+        _install_bindings(blender)
+
+
+def prepare_blenders() -> list[Blender]:
+    """Prepares every Blender whose Python is on this machine."""
+    prepared = []
+    for blender in BLENDERS:
+        if blender is FIRST_BLENDER or find_python(blender.python_version):
+            prepare(blender)
+            prepared.append(blender)
+        else:
+            say(f"Blender {blender.version} is left out: no Python {blender.python_version} here.")
+    return prepared
+
+
+def find_python(version: str) -> Path | None:
+    on_path = shutil.which(f"python{version}")
+    candidates = [Path(sys.executable), *([Path(on_path)] if on_path else [])]
+    candidates += sorted(Path.home().glob(f".pyenv/versions/{version}*/bin/python{version}"))
+    return next((python for python in candidates if _is_usable(python, version)), None)
+
+
+def _is_usable(python: Path, version: str) -> bool:
+    command = [python, ROOT / "tools" / "usable_python.py", version]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Keeps two runs in one tree from changing an environment at the same time."""
+    BUILD.mkdir(exist_ok=True)
+    with (BUILD / ".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _install(environment: Environment, python: Path, extra: list[str]) -> None:
+    digest = _digest(_with_included(environment.requirements), extra)
+    if environment.python.exists() and _is_current(environment.installed, digest):
+        return
+    if environment.python.exists():
+        say(f"Bringing the packages of {environment.contents} up to date…")
+    else:
+        say(f"Installing {environment.contents}{environment.note}…")
+        run_step(
+            f"Making the Python environment {environment.folder.name}",
+            [python, "-m", "venv", "--clear", environment.folder],
+            f"venv-{environment.name}.log",
+        )
+    pip = [environment.python, "-m", "pip", "install", "--progress-bar=off"]
+    run_step(
+        f"Installing {environment.contents}",
+        [*pip, "-r", environment.requirements, *extra],
+        f"pip-{environment.name}.log",
+    )
+    environment.installed.write_text(digest)
+
+
+def _install_bindings(blender: Blender) -> None:
+    environment = blender.environment
+    stamp = environment.folder / ".bindings"
+    digest = _digest(_wheel_sources(), [environment.installed.read_text()])
+    if _is_current(stamp, digest):
+        return
+    say(f"Building the bindings for Python {blender.python_version}…")
+    wheels = BUILD / f"wheels-{blender.python_version}"
+    shutil.rmtree(wheels, ignore_errors=True)
+    pip = [environment.python, "-m", "pip"]
+    options = ["--no-build-isolation", "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"]
+    run_step(
+        "Building the bindings",
+        [*pip, "wheel", "--no-deps", *options, "--wheel-dir", wheels, ROOT],
+        f"wheel-{blender.python_version}.log",
+    )
+    run_step(
+        "Installing the bindings",
+        [*pip, "install", "--no-deps", "--force-reinstall", *wheels.glob("*.whl")],
+        f"install-{blender.python_version}.log",
+    )
+    stamp.write_text(digest)
+
+
+def _build_requirements() -> list[str]:
+    """What builds the wheel, named in one place, installed beside Blender for quick rebuilds."""
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
+
+
+def _with_included(requirements: Path) -> Iterator[Path]:
+    yield requirements
+    for line in requirements.read_text().splitlines():
+        if line.startswith("-r "):
+            yield from _with_included(requirements.parent / line.removeprefix("-r ").strip())
+
+
+def _wheel_sources() -> Iterator[Path]:
+    for path in (ROOT / name for name in WHEEL_SOURCES):
+        yield from path.rglob("*") if path.is_dir() else [path]
+
+
+def _digest(files: Iterable[Path], words: Iterable[str]) -> str:
+    digest = hashlib.sha256("\n".join(words).encode())
+    for file in sorted(files):
+        if file.is_file() and "__pycache__" not in file.parts:
+            digest.update(f"\n{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def _is_current(stamp: Path, digest: str) -> bool:
+    return stamp.is_file() and stamp.read_text() == digest
+
+
+if __name__ == "__main__":
+    stop_children_on_sigterm()
+    try:
+        prepare(FIRST_BLENDER)
+    except StepFailedError as error:
+        sys.exit(str(error))

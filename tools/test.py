@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs every test there is: checks of form, the core, the bindings, renders in each Blender."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+import checks
+import environments
+from processes import (
+    BUILD,
+    LOGS,
+    ROOT,
+    StepFailedError,
+    describe,
+    run_limited,
+    run_step,
+    say,
+    stop_children_on_sigterm,
+    tail,
+)
+
+GROUP_SECONDS = 1800
+NO_TEST_COLLECTED = 5  # pytest's exit code
+
+
+@dataclass
+class Outcome:
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    report: list[str] = field(default_factory=list)
+
+    def fail(self, why: str) -> None:
+        self.failed += 1
+        self.report.append(why)
+
+
+@dataclass(frozen=True)
+class Group:
+    name: str
+    run: Callable[[], Outcome]
+
+
+def check_groups() -> Iterator[Group]:
+    environments.prepare_tools()
+    for name, command in checks.commands().items():
+        yield Group(f"check {name}", lambda name=name, command=command: _check(name, command))
+    yield Group("check licence lines", _check_licences)
+
+
+def _check(name: str, command: Sequence[str | Path]) -> Outcome:
+    log = LOGS / f"check-{name.replace(' ', '-')}.log"
+    if run_limited(command, seconds=GROUP_SECONDS, log=log) == 0:
+        return Outcome(passed=1)
+    return Outcome(failed=1, report=[tail(log, 60)])
+
+
+def _check_licences() -> Outcome:
+    complaints = checks.without_licence_line()
+    return Outcome(failed=1, report=complaints) if complaints else Outcome(passed=1)
+
+
+def core_group(folder: Path, sanitizers: str) -> Group:
+    name = "core, sanitized" if sanitizers else "core"
+    return Group(name, lambda: _test_core(folder, sanitizers))
+
+
+def _test_core(folder: Path, sanitizers: str) -> Outcome:
+    say("Building the core's tests…")
+    options = ["-DMETALLIC_PAINT_WERROR=ON", f"-DMETALLIC_PAINT_SANITIZE={sanitizers}"]
+    try:
+        run_step(
+            "Configuring the core's tests",
+            ["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options],
+            f"configure-{folder.name}.log",
+        )
+        run_step("Building the core's tests", ["cmake", "--build", folder], f"{folder.name}.log")
+    except StepFailedError as error:
+        return Outcome(failed=1, report=[str(error)])
+    results = folder / "results.xml"
+    tests = folder / "tests" / "core" / "core_tests"
+    command = [tests, "--gtest_brief=1", f"--gtest_output=xml:{results}"]
+    return _run_tests(command, results, f"test-{folder.name}")
+
+
+def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
+    """One process for each file and Blender: bpy holds one scene, and a crash takes all of it."""
+    for room in ("bindings", "render"):
+        for blender in blenders:
+            for file in sorted((ROOT / "tests" / room).glob("test_*.py")):
+                name = f"{room} {file.stem.removeprefix('test_')}, Blender {blender.version}"
+                yield Group(name, lambda blender=blender, file=file: _pytest(blender, file))
+
+
+def _pytest(blender: environments.Blender, file: Path) -> Outcome:
+    name = f"test-{blender.version}-{file.parent.name}-{file.stem}"
+    results = BUILD / "results" / f"{name}.xml"
+    command = [blender.python, "-m", "pytest", "-v", f"--rootdir={ROOT}", "-c",
+               ROOT / "pyproject.toml", f"--junit-xml={results}", file]  # fmt: skip
+    return _run_tests(command, results, name)
+
+
+def _run_tests(command: Sequence[str | Path], results: Path, name: str) -> Outcome:
+    log = LOGS / f"{name}.log"
+    results.unlink(missing_ok=True)
+    code = run_limited(command, seconds=GROUP_SECONDS, log=log)
+    outcome = _count(results) if results.is_file() else Outcome()
+    if outcome.failed:
+        outcome.report.append(tail(log, 200))
+    elif code not in (0, NO_TEST_COLLECTED):
+        outcome.fail(
+            f"Its process failed: {describe(code)}. The end of its output:\n{tail(log, 60)}"
+        )
+    elif not outcome.passed + outcome.skipped:
+        outcome.fail("It ran no test.")
+    return outcome
+
+
+def _count(results: Path) -> Outcome:
+    """Counts a JUnit file, as both GoogleTest and pytest write it."""
+    outcome = Outcome()
+    for case in ElementTree.parse(results).iter("testcase"):
+        if case.find("failure") is not None or case.find("error") is not None:
+            outcome.failed += 1
+        elif case.find("skipped") is not None or case.get("status") == "notrun":
+            outcome.skipped += 1
+        else:
+            outcome.passed += 1
+    return outcome
+
+
+def run(groups: Sequence[Group]) -> bool:
+    """Runs the groups, prints what failed and a table of counts, and says whether all is well."""
+    rows = []
+    for group in groups:
+        start = time.monotonic()
+        outcome = group.run()
+        seconds = time.monotonic() - start
+        verdict = "FAILED" if outcome.failed else "ok"
+        say(f"{verdict:>6}  {group.name} ({seconds:.1f} s)")
+        for text in outcome.report:
+            say(text)
+        rows.append((group.name, outcome, seconds))
+
+    say(f"\n{'group':<48}{'passed':>8}{'failed':>8}{'skipped':>8}{'seconds':>9}")
+    for name, outcome, seconds in rows:
+        counts = f"{outcome.passed:>8}{outcome.failed:>8}{outcome.skipped:>8}"
+        say(f"{name:<48}{counts}{seconds:>9.1f}")
+    passed, failed, skipped = (
+        sum(getattr(outcome, kind) for _, outcome, _ in rows)
+        for kind in ("passed", "failed", "skipped")
+    )
+    say(f"{passed} passed, {failed} failed, {skipped} skipped")
+    return failed == 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="paint test", description=__doc__)
+    parser.add_argument(
+        "--sanitize",
+        action="store_true",
+        help="only the core's tests, built with the address and undefined sanitizers",
+    )
+    parser.add_argument("-k", metavar="TEXT", default="", help="only groups with TEXT in the name")
+    arguments = parser.parse_args()
+
+    if arguments.sanitize:
+        groups = [core_group(BUILD / "sanitize", "address,undefined")]
+    else:
+        groups = [
+            *check_groups(),
+            core_group(BUILD / "tests", ""),
+            *blender_groups(environments.prepare_blenders()),
+        ]
+    groups = [group for group in groups if arguments.k in group.name]
+    if not groups:
+        raise StepFailedError(f"No group of tests has “{arguments.k}” in its name.")
+    return 0 if run(groups) else 1
+
+
+if __name__ == "__main__":
+    stop_children_on_sigterm()
+    try:
+        sys.exit(main())
+    except StepFailedError as error:
+        sys.exit(str(error))
