@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <pybind11/pybind11.h>
+#include "module.h"
 
-PYBIND11_MODULE(_native, module) { module.attr("__version__") = METALLIC_PAINT_VERSION; }
+PYBIND11_MODULE(_native, module) {
+  module.attr("__version__") = METALLIC_PAINT_VERSION;
+  bind_paint(module);
+  bind_light(module);
+  bind_evaluate(module);
+  bind_functions(module);
+}

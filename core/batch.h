@@ -7,7 +7,8 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
-#include <exception>
+#include <cstdint>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -61,6 +62,102 @@ SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T
     }
   }
   return slots;
+}
+
+// Arrays over n pixels, and the lights' slots behind them; row-major.
+struct PixelBatch {
+  std::size_t size;
+  const double* position;         // n x 3, scene units
+  const double* normal;           // n x 3, unit
+  const double* view;             // n x 3, unit, towards the observer
+  const double* footprint;        // n, m2
+  const std::int32_t* pixel;      // n x 2
+  const double* slant = nullptr;  // n x lights x 3: optical depth t H in place of the layer's own
+};
+struct PixelResults {
+  std::int32_t* leader;   // n x lights
+  std::int32_t* slots;    // n x lights: 0 for a Poisson count, k for a binomial one
+  double* mean_count;     // n x lights; 0 for a light that does not lead
+  double* count;          // n x lights
+  double* radiance;       // n x lights x 3: T, the leader's
+  double* mean_radiance;  // n x lights x 3
+  double* variance;       // n x lights x 3
+};
+
+// Throws std::invalid_argument that names the array, the row and the value.
+void validate(const PixelBatch& batch);
+
+// What the shader computes at each pixel, in T: float repeats it, double is the reference.
+template <class T>
+void evaluate_pixels(const Paint& paint, const CoatingTable<double>* coating,
+                     const std::vector<Light<double>>& lights, const PixelBatch& batch,
+                     const PixelResults& results) {
+  Layer<T> layer = make_layer<T>(paint);
+  CoatingTable<T> table;
+  if (coating != nullptr) {
+    for (const Rgb<double>& r : coating->reflectance) table.reflectance.push_back(Rgb<T>(r));
+    for (const Rgb<double>& t : coating->transmittance) table.transmittance.push_back(Rgb<T>(t));
+    layer.coating.table = &table;
+  }
+  // <t_p> of a table is a double integral: tabulated over the cosine, as the paper does.
+  std::optional<ProjectionTable<T>> projection;
+  if (coating != nullptr) {
+    projection.emplace(layer.orientation, layer.coating, kProjectionIntervals);
+    layer.table = &*projection;
+  }
+  std::vector<Light<T>> slots;
+  std::vector<HashWords> keys;
+  for (const Light<double>& light : lights) {
+    slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
+    keys.push_back(paint_stream(paint, static_cast<int>(keys.size())));
+  }
+  const auto vector_at = [](const double* array, std::size_t i) {
+    return Vec3<T>{static_cast<T>(array[3 * i]), static_cast<T>(array[3 * i + 1]),
+                   static_cast<T>(array[3 * i + 2])};
+  };
+  const auto store = [](double* array, std::size_t i, Rgb<T> value) {
+    array[3 * i] = static_cast<double>(value.x);
+    array[3 * i + 1] = static_cast<double>(value.y);
+    array[3 * i + 2] = static_cast<double>(value.z);
+  };
+  parallel_for(batch.size, [&](std::size_t i) {
+    const SurfacePoint<T> point{vector_at(batch.position, i), vector_at(batch.normal, i),
+                                vector_at(batch.view, i),     static_cast<T>(batch.footprint[i]),
+                                batch.pixel[2 * i],           batch.pixel[2 * i + 1]};
+    const SlotView<T> view = view_slots(slots, point);
+    for (std::size_t light = 0; light < slots.size(); ++light) {
+      const std::size_t at = i * slots.size() + light;
+      const int leader = view.leader[light];
+      results.leader[at] = leader;
+      const bool leads = leader == static_cast<int>(light);
+      if (leader >= 0 && !leads) {
+        // The leader comes first: its results are there to copy.
+        const std::size_t from = i * slots.size() + static_cast<std::size_t>(leader);
+        results.slots[at] = 0;
+        results.count[at] = results.mean_count[at] = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          results.radiance[3 * at + c] = results.radiance[3 * from + c];
+          results.mean_radiance[3 * at + c] = results.mean_radiance[3 * from + c];
+          results.variance[3 * at + c] = results.variance[3 * from + c];
+        }
+        continue;
+      }
+      ExpectedSparkles<T> expected;
+      if (leads) {
+        const Rgb<T> slant = batch.slant != nullptr ? vector_at(batch.slant, at) : Rgb<T>{};
+        expected = expect_sparkles(layer, point, view.seen[light],
+                                   batch.slant != nullptr ? &slant : nullptr);
+      }
+      const Sparkles<T> drawn =
+          draw_sparkles(expected, layer.area_spread, keys[light], point.pixel_x, point.pixel_y);
+      results.slots[at] = expected.slots;
+      results.mean_count[at] = static_cast<double>(expected.mean_count);
+      results.count[at] = static_cast<double>(drawn.count);
+      store(results.radiance, at, drawn.radiance);
+      store(results.mean_radiance, at, mean_radiance(expected));
+      store(results.variance, at, radiance_variance(expected));
+    }
+  });
 }
 
 }  // namespace metallic_paint

@@ -21,7 +21,7 @@ T exponential(T x) {
   return std::exp(x);
 }
 
-// ln x for x > 0. float: relative error 2e-7 away from x = 1, where the error is 1e-7 * |x - 1|.
+// ln x for x > 0. float: relative error 2.5e-7, also next to x = 1.
 template <class T>
 T logarithm(T x) {
   return std::log(x);
@@ -59,7 +59,7 @@ T mean_transmittance(T x) {
 }
 
 // Mills ratio of the normal distribution, (1 - Phi(x))/phi(x), for x >= 0.
-// float: relative error 5e-7 for x <= 17, absolute error 2e-5 beyond.
+// float: relative error 5e-7 for x <= 17, absolute error 1e-5 beyond. double: relative error 3e-14.
 template <class T>
 T mills_ratio(T x) {
   if (x > 12) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "paint.h"
 
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "batch.h"
 
 namespace metallic_paint {
 namespace {
@@ -56,6 +59,8 @@ void validate(const Paint& paint) {
   require_colour("flake_edge_color", paint.flake_edge_color, 1);
   require_colour("flake_transmission", paint.flake_transmission, 1);
   require_sum("flake_color + flake_transmission", paint.flake_color, paint.flake_transmission);
+  require_sum("flake_edge_color + flake_transmission", paint.flake_edge_color,
+              paint.flake_transmission);
   require_range("binder_ior", paint.binder_ior, 0.1, 10);
   require_range("layer_thickness_um", paint.layer_thickness_um, 0, 1e6, " um");
   require_colour("binder_absorption_per_mm", paint.binder_absorption_per_mm, 1e6, " 1/mm");
@@ -104,6 +109,26 @@ void validate(const CoatingTable<double>& table) {
     require_colour("coating.transmittance" + row, table.transmittance[i], 1);
     require_sum("coating.reflectance" + row + " + coating.transmittance" + row,
                 table.reflectance[i], table.transmittance[i]);
+  }
+}
+
+void validate(const PixelBatch& batch) {
+  // Normals and views come as floats: unit length to a thousandth, or all zero for a pixel without
+  // surface.
+  const auto require_unit = [](const char* name, const double* v, std::size_t row) {
+    const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (square == 0 || std::abs(square - 1) < 2e-3) return;
+    reject("length of " + std::string(name) + "[" + std::to_string(row) + "]", std::sqrt(square),
+           "1 to a thousandth, or 0 where there is no surface");
+  };
+  for (std::size_t i = 0; i < batch.size; ++i) {
+    const std::string row = "[" + std::to_string(i) + "]";
+    for (std::size_t c = 0; c < 3; ++c) {
+      require_range("position" + row, batch.position[3 * i + c], -1e30, 1e30, " scene units");
+    }
+    require_unit("normal", batch.normal + 3 * i, i);
+    require_unit("view", batch.view + 3 * i, i);
+    require_range("footprint" + row, batch.footprint[i], 0, 1e30, " m2");
   }
 }
 

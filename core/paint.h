@@ -21,7 +21,7 @@ struct Paint {
       0.005;  // angular radius by which a flake spreads light in the binder, 0 to 0.5 rad
   Rgb<double> flake_color{0.91, 0.92, 0.92};      // reflectance at normal incidence, 0 to 1
   Rgb<double> flake_edge_color{1, 1, 1};          // reflectance at grazing incidence, 0 to 1
-  Rgb<double> flake_transmission{0, 0, 0};        // transmittance, 0 to 1 less the reflectance
+  Rgb<double> flake_transmission{0, 0, 0};        // transmittance, 0 to 1 less either of them
   double binder_ior = 1.5;                        // relative to the surroundings, 0.1 to 10
   double layer_thickness_um = 30;                 // of the flake layer (H), 0 to 1e6 um
   Rgb<double> binder_absorption_per_mm{0, 0, 0};  // kappa, 0 to 1e6 1/mm

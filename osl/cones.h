@@ -26,21 +26,29 @@ float angle_between(SeenLight a, SeenLight b)
   return 2.0 * asin(min(0.5 * length(a.direction - b.direction), 1.0));
 }
 
-// `radiance` is T; least and most bound the half-angle; roulette in (0, 1) decides where even the widest cone stays
-// below the least weight: kept with that probability, at the least weight, so that the mean stands.
-closure color sparkle_cone(color radiance, vector view, vector direction, float least, float most,
-                           float roulette)
+// Half-angle for a T of that average: wide enough for twice the least weight, within the bounds.
+float cone_half_angle(float average, float least, float most)
+{
+  float wanted = 2.0 * asin(sqrt(min(2.0 * LEAST_WEIGHT / (4.0 * M_PI * max(average, 1e-30)), 0.5)));
+  float rho = clamp(max(wanted, NARROW_CONE), least, max(most, least));
+  return min(rho, max(WIDEST_CONE, least));
+}
+
+float cone_solid_angle(float rho)
+{
+  float s = sin(0.5 * rho);
+  return 4.0 * M_PI * s * s;
+}
+
+// Where even the widest cone stays below the least weight, the deviate `roulette` in (0, 1) keeps the closure
+// with that probability, at the least weight, so that the mean stands.
+closure color sparkle_cone(color radiance, vector view, vector direction, float rho, float roulette)
 {
   closure color none = 0;
   float average = (radiance[0] + radiance[1] + radiance[2]) / 3.0;
   if (!(average > 0.0))
     return none;
-  // Solid angle 4 pi sin^2(rho/2) that gives twice the least weight.
-  float wanted = 2.0 * asin(sqrt(min(2.0 * LEAST_WEIGHT / (4.0 * M_PI * average), 0.5)));
-  float rho = clamp(max(wanted, NARROW_CONE), least, max(most, least));
-  rho = min(rho, max(WIDEST_CONE, least));
-  float s = sin(0.5 * rho);
-  float solid_angle = 4.0 * M_PI * s * s;
+  float solid_angle = cone_solid_angle(rho);
   color weight = radiance * solid_angle;
   float keep = average * solid_angle / LEAST_WEIGHT;
   if (keep < 1.0) {

@@ -4,6 +4,12 @@
 // where their errors stand: Blender's own exp, expm1 and acos are approximate.
 #pragma once
 
+// OSL's own dot() rounds once less where Blender was built with fused multiply-add.
+float inner_product(vector a, vector b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 float exponential(float x)
 {
   if (x < -87.0)

@@ -3,6 +3,8 @@
 // The lights that sparkle, as seen from a point: see core/light.h.
 #pragma once
 
+#include "elementary.h"
+
 #define LIGHT_UNUSED 0
 #define LIGHT_PARALLEL 1
 #define LIGHT_POSITIONAL 2
@@ -25,7 +27,7 @@ SeenLight see_light(int kind, vector where, float size, point position)
   vector towards = where;
   if (kind == LIGHT_POSITIONAL)
     towards = where - vector(position);
-  float distance = sqrt(dot(towards, towards));
+  float distance = sqrt(inner_product(towards, towards));
   if (!(distance > 0.0))
     return seen;
   seen.visible = 1;
@@ -44,5 +46,5 @@ int lights_overlap(SeenLight a, SeenLight b)
   float sine = sqrt(a.sin2_half_radius) * sqrt(1.0 - b.sin2_half_radius) +
                sqrt(b.sin2_half_radius) * sqrt(1.0 - a.sin2_half_radius);
   float reach = 2.0 * sine + LEAST_GAP;
-  return dot(chord, chord) < reach * reach;
+  return inner_product(chord, chord) < reach * reach;
 }

@@ -60,7 +60,7 @@ OrientationDensity make_orientation(int kind, float tilt)
   }
   else {
     float w2 = (1.0 - tilt) * (1.0 + tilt);
-    float artanh_over_w = 1.0 + w2 * (1.0 / 3.0 + w2 * (1.0 / 5.0 + w2 / 7.0));
+    float artanh_over_w = 1.0 + w2 * (1.0 / 3.0 + w2 * (1.0 / 5.0 + w2 * (1.0 / 7.0 + w2 / 9.0)));
     if (w2 > 0.0025) {
       float w = sqrt(w2);
       artanh_over_w = logarithm((1.0 + w) / tilt) / w;

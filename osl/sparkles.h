@@ -79,8 +79,8 @@ ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight li
   expected.slant = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
-  float cos_view = min(dot(surface.n, surface.view), 1.0);
-  float cos_light = min(dot(surface.n, light.direction), 1.0);
+  float cos_view = min(inner_product(surface.n, surface.view), 1.0);
+  float cos_light = min(inner_product(surface.n, light.direction), 1.0);
   if (!light.visible || !(cos_view > 0.0) || !(cos_light > 0.0) || !(surface.footprint > 0.0))
     return expected;
 
@@ -95,10 +95,10 @@ ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight li
   float cos_light_in = min(g_light / eta, 1.0);
 
   vector sum = view_in + light_in;
-  float sum_length = sqrt(dot(sum, sum));
+  float sum_length = sqrt(inner_product(sum, sum));
   float cos_alpha = min(0.5 * sum_length, 1.0);
   vector tilt = surface.n - sum / sum_length;
-  float sin2_half_beta = min(0.25 * dot(tilt, tilt), 0.5);
+  float sin2_half_beta = min(0.25 * inner_product(tilt, tilt), 0.5);
 
   float outside = 4.0 * M_PI * light.sin2_half_radius;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)

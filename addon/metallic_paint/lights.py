@@ -95,6 +95,13 @@ def fill(scene: bpy.types.Scene) -> Report:
     return Report(tuple(light.name for light in lights), left_out, _linked_files())
 
 
+def values() -> list[tuple[float, Vector, float]]:
+    """Kind, vector and size of the slots in use, as they stand."""
+    group = node_group()
+    slots = [[socket.default_value for socket in _inputs(group, i)] for i in range(1, SLOTS + 1)]
+    return [(kind, Vector(xyz), size) for kind, *xyz, size in slots if kind]
+
+
 # --- the group ---------------------------------------------------------------------------------
 
 

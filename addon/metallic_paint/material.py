@@ -38,19 +38,23 @@ class _Extra:
     label: str
     panel: str
     minimum: int
+    maximum: int
+    default: int
     description: str
 
 
 _EXTRAS = {
     "Frame": _Extra(
-        "Frame", SPARKLE, INT_MIN,
+        "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
         "Another number, another draw of the same flakes. Type #frame to draw anew in each frame",
     ),
     "Diagnostic": _Extra(
-        "Diagnostic", DIAGNOSTICS, 0, "0 the paint; otherwise the inner value to emit",
+        "Diagnostic", DIAGNOSTICS, 0, INT_MAX, 0,
+        "0 the paint; otherwise the inner value to show, as the shader's text numbers them",
     ),
     "DiagnosticLight": _Extra(
-        "Diagnostic Light", DIAGNOSTICS, 0, "The light slot, 1 to 8, whose inner value to emit",
+        "Diagnostic Light", DIAGNOSTICS, 1, lights.SLOTS, 1,
+        "The light slot whose inner value to show",
     ),
 }  # fmt: skip
 
@@ -185,7 +189,8 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
             extra.label, in_out="INPUT", socket_type="NodeSocketInt", parent=panels[extra.panel],
             description=extra.description,
         )  # fmt: skip
-        socket.min_value, socket.max_value = extra.minimum, INT_MAX
+        socket.min_value, socket.max_value = extra.minimum, extra.maximum
+        socket.default_value = extra.default
         group.links.new(inside.outputs[extra.label], script_inputs[name])
     _add_normal(group)
     group.links.new(inside.outputs[NORMAL], script_inputs[NORMAL])

@@ -54,7 +54,7 @@ class Paint:
         "Flakes in the whole depth of the layer under one square millimetre of surface",
     )
     flake_diameter_um: float = _field(
-        20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 0, 1e5,
+        20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 1e-3, 1e5,
         "Diameter of the disk that has the mean area of the flakes, in micrometres",
     )
     flake_area_spread: float = _field(
@@ -86,12 +86,7 @@ class Paint:
     )
     flake_transmission: Color = _field(
         (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
-        "Transmittance of a flake at normal incidence: with the reflectance at most 1",
-        is_color=True,
-    )
-    flake_edge_transmission: Color = _field(
-        (0.0, 0.0, 0.0), "FlakeEdgeTransmission", "Flake Edge Transmission", FLAKES, 0, 1,
-        "Transmittance of a flake at grazing incidence: with the reflectance at most 1",
+        "Transmittance of a flake at every angle: with either reflectance at most 1",
         is_color=True,
     )
     binder_ior: float = _field(
@@ -143,8 +138,8 @@ class Paint:
             )
         _check_energy("flake_color", self.flake_color, "flake_transmission",
                       self.flake_transmission)
-        _check_energy("flake_edge_color", self.flake_edge_color, "flake_edge_transmission",
-                      self.flake_edge_transmission)
+        _check_energy("flake_edge_color", self.flake_edge_color, "flake_transmission",
+                      self.flake_transmission)
 
     @property
     def flake_coverage(self) -> float:

@@ -19,6 +19,8 @@ FOLDERS = (_PACKAGE / "osl", _PACKAGE.parent.parent / "osl")  # installed; in th
 FILE = "metallic_paint.osl"
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*$', re.MULTILINE)
+# Each header goes in once as it is; in a text of one piece the pragma crashes Blender's oslc.
+_ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*\n", re.MULTILINE)
 _COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
 
 
@@ -52,7 +54,7 @@ def _flatten(path: Path, seen: set[Path], within: tuple[Path, ...]) -> str:
             seen.add(file)
         return _flatten(file, seen, (*within, path)).rstrip("\n")
 
-    return _INCLUDE.sub(included, path.read_text(encoding="utf-8"))
+    return _INCLUDE.sub(included, _ONCE.sub("", path.read_text(encoding="utf-8")))
 
 
 def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None:

@@ -1,6 +1,43 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The metallic-paint model over numpy arrays."""
+"""The metallic-paint model over numpy arrays: the reference that the shader is checked against.
 
-from ._native import __version__
+Docstrings, shapes and units are in `_native.pyi`; the model itself is `core/`.
+"""
 
-__all__ = ["__version__"]
+from ._native import (
+    CoatingTable,
+    DepthModel,
+    Light,
+    LightKind,
+    Orientation,
+    Paint,
+    Radiometry,
+    __version__,
+    count_deviate,
+    evaluate,
+    flake_brdf,
+    fresnel_transmittance,
+    hash_words,
+    mean_projected_area,
+    normal_quantile,
+    orientation_density,
+)
+
+__all__ = [
+    "CoatingTable",
+    "DepthModel",
+    "Light",
+    "LightKind",
+    "Orientation",
+    "Paint",
+    "Radiometry",
+    "__version__",
+    "count_deviate",
+    "evaluate",
+    "flake_brdf",
+    "fresnel_transmittance",
+    "hash_words",
+    "mean_projected_area",
+    "normal_quantile",
+    "orientation_density",
+]

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks a picture of the paint against the core, pixel by pixel.
+
+The shader shows its inner values in place of the paint (the Diagnostic input): where each pixel
+looks, and what it computed there. The core repeats the computation in float from the same places
+and must find the same counts and radiances. The lit picture is checked too: where Cycles lights a
+cone of radiance 1, the picture is the light's irradiance E, and the sparkles must be T E.
+
+Every array here is (height, width, ...) with row 0 at the bottom, as the shader counts pixels.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import lights, material
+from .paint import Paint
+
+# The shader's diagnostics, as osl/metallic_paint.osl numbers them.
+COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
+IRRADIANCE, SPARKLES, CONE = 10, 11, 12
+
+# Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
+LEAST_WEIGHT = 2e-5
+
+# Error that float rounding may leave in <N> (relative) and in the uniform deviate.
+MEAN_ROUNDING = 1e-5
+UNIFORM_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Where each pixel of a picture looks. `hit` tells the paint from the background."""
+
+    hit: np.ndarray  # (h, w) bool
+    position: np.ndarray  # (h, w, 3) scene units
+    normal: np.ndarray  # (h, w, 3)
+    view: np.ndarray  # (h, w, 3), towards the camera
+    footprint: np.ndarray  # (h, w) m²
+    pixel: np.ndarray  # (h, w, 2) int, as the shader found it
+    raster: np.ndarray  # (h, w, 2)
+
+    def own_pixel(self) -> np.ndarray:
+        """(h, w, 2): the coordinates of each pixel in the picture itself."""
+        h, w = self.hit.shape
+        return np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How a light's sparkles in the picture agree with the core's."""
+
+    pixels: int  # with paint in them
+    same_count: int
+    at_pixel_edge: int  # another count, because the sample lies on a pixel's edge within rounding
+    at_threshold: int  # another count, because the draw lies on a step within rounding
+    unexplained: int
+    radiance_error: np.ndarray  # relative, of the pixels with the same count and any radiance
+    by_chance: int  # pixels so dim that Cycles would drop them: kept by roulette, not compared
+
+
+class Probe:
+    """Renders a scene's paint, one value at a time, with one noiseless sample per pixel."""
+
+    def __init__(self, scene: bpy.types.Scene, materials: list[bpy.types.Material]) -> None:
+        self.scene = scene
+        self.nodes = [material.paint_node(m) for m in materials]
+        cycles = scene.cycles
+        cycles.samples, cycles.seed = 1, 0
+        cycles.use_adaptive_sampling = cycles.use_denoising = False
+        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+        cycles.max_bounces = 0  # light straight from the lamps
+        cycles.pixel_filter_type = "BOX"
+        scene.render.film_transparent = True
+        scene.render.use_persistent_data = False
+        scene.render.image_settings.file_format = "OPEN_EXR"
+        scene.render.image_settings.color_depth = "32"
+        scene.render.image_settings.exr_codec = "NONE"
+
+    def set(self, socket: str, value: object) -> None:
+        for node in self.nodes:
+            node.inputs[socket].default_value = value
+
+    def image(self, diagnostic: int, light: int = 0) -> np.ndarray:
+        """(h, w, 3) float32: the diagnostic of the light slot (0-based)."""
+        import OpenImageIO as oiio
+
+        self.set("Diagnostic", diagnostic)
+        self.set("Diagnostic Light", light + 1)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "probe.exr"
+            self.scene.render.filepath = str(path)
+            bpy.ops.render.render(write_still=True, scene=self.scene.name)
+            pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
+        self.set("Diagnostic", 0)
+        return np.ascontiguousarray(pixels[::-1, :, :3])
+
+    def geometry(self) -> Geometry:
+        view = self.image(VIEW)
+        pixel = self.image(PIXEL)
+        return Geometry(
+            hit=(view**2).sum(axis=-1) > 0.5,
+            position=self.image(POSITION),
+            normal=self.image(NORMAL),
+            view=view,
+            footprint=pixel[..., 0],
+            pixel=pixel[..., 1:].astype(np.int32),
+            raster=self.image(RASTER)[..., :2],
+        )
+
+    def lit_by(self, lamp: str, diagnostic: int, light: int) -> np.ndarray:
+        """The picture with one lamp alone, every light slot as it was."""
+        lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
+        hidden = {o: o.hide_render for o in lamps}
+        try:
+            for o in lamps:
+                o.hide_render = o.name != lamp
+            return self.image(diagnostic, light)
+        finally:
+            for o, was in hidden.items():
+                o.hide_render = was
+
+
+def core_paint(paint: Paint, **changes: object) -> object:
+    """The paint as the core takes it."""
+    import metallic_paint_core as core
+
+    fields = asdict(paint) | changes
+    for name in ("substrate_color", "coat_roughness"):  # no part of the sparkles
+        del fields[name]
+    fields["orientation"] = core.Orientation[fields["orientation"]]
+    fields["depth_model"] = core.DepthModel[fields["depth_model"]]
+    fields["radiometry"] = core.Radiometry[fields["radiometry"]]
+    return core.Paint(**fields)
+
+
+def core_lights() -> list:
+    """The slots in use, as the core takes them."""
+    import metallic_paint_core as core
+
+    return [core.Light(core.LightKind(int(kind)), vector, size)
+            for kind, vector, size in lights.values()]  # fmt: skip
+
+
+def predict(paint: object, slots: list, geometry: Geometry, precision: str) -> dict:
+    """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
+    import metallic_paint_core as core
+
+    hit = geometry.hit
+    return core.evaluate(
+        paint,
+        slots,
+        position=geometry.position[hit],
+        normal=geometry.normal[hit],
+        view=geometry.view[hit],
+        footprint=geometry.footprint[hit],
+        pixel=geometry.own_pixel()[hit],
+        precision=precision,
+    )
+
+
+def compare(
+    paint: object,
+    geometry: Geometry,
+    predicted: dict,
+    light: int,
+    leader: int,
+    count: np.ndarray,
+    cone: np.ndarray,
+    picture: np.ndarray,
+    irradiance: np.ndarray,
+) -> Comparison:
+    """Judges images (h, w[, 3]) against the core's prediction.
+
+    picture and irradiance are lit by the lamp of the slot `light`; count and cone are those of the
+    slot that leads it: itself, unless another light is too close by.
+    """
+    hit = geometry.hit
+    found, expected = count[hit], predicted["count"][:, leader]
+    same = found == expected
+    shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
+    edge = ~same & shifted & _near_edge(geometry.raster[hit])
+    threshold = ~same & ~edge & _near_threshold(paint, geometry, predicted, leader, found)
+
+    per_irradiance = predicted["radiance"][:, light]
+    radiance = per_irradiance * irradiance[hit]
+    lit = same & (radiance.max(axis=-1) > 0)
+    by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
+    lit &= ~by_chance
+    error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
+    return Comparison(
+        pixels=int(hit.sum()),
+        same_count=int(same.sum()),
+        at_pixel_edge=int(edge.sum()),
+        at_threshold=int(threshold.sum()),
+        unexplained=int((~same & ~edge & ~threshold).sum()),
+        radiance_error=error,
+        by_chance=int(by_chance.sum()),
+    )
+
+
+def _near_edge(raster: np.ndarray) -> np.ndarray:
+    """Raster positions within float rounding (16 ulp at 1000) of an edge between pixels."""
+    return (np.abs(raster - np.round(raster)) < 1e-3).any(axis=-1)
+
+
+def _near_threshold(
+    paint: object, geometry: Geometry, predicted: dict, light: int, found: np.ndarray
+) -> np.ndarray:
+    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding."""
+    import metallic_paint_core as core
+
+    x, y = geometry.own_pixel()[geometry.hit].T
+    words = core.hash_words(x, y, light=light, frame=paint.frame, seed=paint.seed)
+    high, low = (words[:, i] >> 8 for i in (0, 1))
+    uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
+    mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]
+    fewest = core.count_deviate(mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1))
+    most = core.count_deviate(mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15))
+    return (fewest <= found) & (found <= most)

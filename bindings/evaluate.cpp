@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch.h"
+#include "module.h"
+
+namespace py = pybind11;
+using namespace metallic_paint;
+
+namespace {
+
+void require_shape(const char* name, const py::array& array,
+                   const std::vector<py::ssize_t>& shape) {
+  if (std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()) == shape) return;
+  throw py::value_error(std::string(name) + " has the shape " +
+                        py::str(array.attr("shape")).cast<std::string>() + ", but must be " +
+                        py::str(py::cast(shape)).cast<std::string>());
+}
+
+py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
+                  const Array<double>& position, const Array<double>& normal,
+                  const Array<double>& view, const Array<double>& footprint,
+                  const Array<std::int32_t>& pixel,
+                  const std::optional<CoatingTable<double>>& coating,
+                  const std::optional<Array<double>>& slant_depth, const std::string& precision) {
+  if (lights.size() > kLightSlots) {
+    throw py::value_error("lights holds " + std::to_string(lights.size()) +
+                          ", but must hold at most " + std::to_string(kLightSlots));
+  }
+  if (precision != "float" && precision != "double") {
+    throw py::value_error("precision is '" + precision + "', but must be 'float' or 'double'");
+  }
+  const py::ssize_t n = footprint.ndim() == 1 ? footprint.shape(0) : 0;
+  const py::ssize_t slots = static_cast<py::ssize_t>(lights.size());
+  require_shape("footprint", footprint, {n});
+  require_shape("position", position, {n, 3});
+  require_shape("normal", normal, {n, 3});
+  require_shape("view", view, {n, 3});
+  require_shape("pixel", pixel, {n, 2});
+  if (slant_depth) require_shape("slant_depth", *slant_depth, {n, slots, 3});
+  metallic_paint::validate(paint);
+
+  py::array_t<std::int32_t> leader({n, slots}), places({n, slots});
+  py::array_t<double> count({n, slots}), mean_count({n, slots});
+  py::array_t<double> radiance({n, slots, py::ssize_t{3}}),
+      mean_radiance({n, slots, py::ssize_t{3}}), variance({n, slots, py::ssize_t{3}});
+  const PixelBatch batch{static_cast<std::size_t>(n),
+                         position.data(),
+                         normal.data(),
+                         view.data(),
+                         footprint.data(),
+                         pixel.data(),
+                         slant_depth ? slant_depth->data() : nullptr};
+  const PixelResults results{leader.mutable_data(),     places.mutable_data(),
+                             mean_count.mutable_data(), count.mutable_data(),
+                             radiance.mutable_data(),   mean_radiance.mutable_data(),
+                             variance.mutable_data()};
+  {
+    const py::gil_scoped_release released;
+    metallic_paint::validate(batch);
+    const CoatingTable<double>* table = coating ? &*coating : nullptr;
+    if (precision == "float") {
+      evaluate_pixels<float>(paint, table, lights, batch, results);
+    } else {
+      evaluate_pixels<double>(paint, table, lights, batch, results);
+    }
+  }
+  py::dict all;
+  all["leader"] = leader;
+  all["slots"] = places;
+  all["mean_count"] = mean_count;
+  all["count"] = count;
+  all["radiance"] = radiance;
+  all["mean_radiance"] = mean_radiance;
+  all["variance"] = variance;
+  return all;
+}
+
+}  // namespace
+
+void bind_evaluate(py::module_& module) {
+  module.def("evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
+             py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
+             py::arg("pixel"), py::arg("coating") = py::none(), py::arg("slant_depth") = py::none(),
+             py::arg("precision") = "double");
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light.h"
+
+#include <pybind11/native_enum.h>
+#include <pybind11/stl.h>
+
+#include <array>
+
+#include "module.h"
+#include "paint.h"
+
+namespace py = pybind11;
+using metallic_paint::Light;
+using metallic_paint::LightKind;
+
+void bind_light(py::module_& module) {
+  py::native_enum<LightKind>(module, "LightKind", "enum.IntEnum")
+      .value("unused", LightKind::unused)
+      .value("parallel", LightKind::parallel)
+      .value("positional", LightKind::positional)
+      .finalize();
+  py::class_<Light<double>>(module, "Light")
+      .def(py::init([](LightKind kind, std::array<double, 3> vector, double size) {
+             const Light<double> light{kind, {vector[0], vector[1], vector[2]}, size};
+             metallic_paint::validate(light);
+             return light;
+           }),
+           py::arg("kind"), py::arg("vector"), py::arg("size"))
+      .def_readonly("kind", &Light<double>::kind)
+      .def_property_readonly("vector",
+                             [](const Light<double>& light) {
+                               return py::make_tuple(light.vector.x, light.vector.y,
+                                                     light.vector.z);
+                             })
+      .def_readonly("size", &Light<double>::size);
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the tests share: the worst error of a sweep with the place where it occurred, seeded random
+// numbers, and the thresholds of statistical tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+
+namespace core_tests {
+
+inline long double relative_error(long double value, long double reference) {
+  return value == reference ? 0 : std::fabs(value - reference) / std::fabs(reference);
+}
+
+// Distance from the reference in units of the last place of T at the reference.
+template <class T>
+long double ulps(T value, long double reference) {
+  const int exponent = std::ilogb(reference);
+  return std::fabs(static_cast<long double>(value) - reference) /
+         std::ldexp(1.0L, exponent - (std::numeric_limits<T>::digits - 1));
+}
+
+// The largest error of a sweep and the parameters that gave it: see(error, "x", x, "tilt", tilt).
+class Worst {
+ public:
+  template <class... Named>
+  void see(long double error, const Named&... named) {
+    ++seen_;
+    if (!(error > error_) && !std::isnan(error)) return;  // a NaN is the worst of all
+    if (std::isnan(error_)) return;
+    error_ = error;
+    std::ostringstream text;
+    text.precision(17);
+    ((text << named << ' '), ...);
+    where_ = text.str();
+  }
+
+  // The measured number also goes to the results file, under `name`.
+  void expect_at_most(double limit, const std::string& name = "worst") const {
+    EXPECT_GT(seen_, 0) << name;
+    EXPECT_LE(error_, limit) << name << " at " << where_;
+    std::ostringstream text;
+    text.precision(3);
+    text << error_ << " of " << limit << " at " << where_;
+    ::testing::Test::RecordProperty(name, text.str());
+  }
+
+  long double error() const { return error_; }
+
+ private:
+  long double error_ = 0;
+  long seen_ = 0;
+  std::string where_;
+};
+
+// std's distributions differ between libraries; these do not.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double uniform(double from = 0, double to = 1) {
+    return from + (to - from) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+  double log_uniform(double from, double to) {
+    return std::exp(uniform(std::log(from), std::log(to)));
+  }
+  int below(int count) {
+    return static_cast<int>(engine_() % static_cast<std::uint64_t>(count));
+  }
+  std::uint64_t bits() { return engine_(); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// |z| that `tests` independent standard normal deviates all stay under with probability 1 - level
+// (Sidak's correction).
+inline double sidak_threshold(double level, double tests) {
+  const double each = -std::expm1(std::log1p(-level) / tests);  // two-sided
+  double low = 0, high = 40;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = (low + high) / 2;
+    (std::erfc(middle / std::sqrt(2.0)) > each ? low : high) = middle;
+  }
+  return high;
+}
+
+// A chi-square statistic as a standard normal deviate (Wilson and Hilferty 1931; good to a few
+// per cent of the tail probability from 15 degrees of freedom on).
+inline double chi_square_z(double chi_square, double degrees) {
+  const double spread = 2 / (9 * degrees);
+  return (std::cbrt(chi_square / degrees) - (1 - spread)) / std::sqrt(spread);
+}
+
+}  // namespace core_tests

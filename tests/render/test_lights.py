@@ -1,0 +1,562 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The light slots: which lights have one, what stands in it, and that it follows the scene."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import OpenImageIO
+import pytest
+from mathutils import Euler, Matrix, Vector
+from metallic_paint import lights, material, shader
+from metallic_paint.paint import Paint
+
+Place = Callable[..., bpy.types.Object]
+EPSILON = 2e-6  # of a direction in single precision
+
+
+@pytest.fixture
+def place() -> Place:
+    """Puts a light into the scene: place("SUN", "Name", rotation_euler=…, energy=…)."""
+
+    def run(kind: str, name: str, **values: object) -> bpy.types.Object:
+        light = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+        bpy.context.scene.collection.objects.link(light)
+        for key, value in values.items():
+            setattr(light.data if hasattr(light.data, key) else light, key, value)
+        return light
+
+    return run
+
+
+@pytest.fixture
+def painted() -> bpy.types.Object:
+    """A painted quad of 2 m around the origin."""
+    return paint_quad("Painted")
+
+
+def paint_quad(name: str) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [range(4)])
+    thing = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    material.assign(thing, material.create(Paint()))
+    return thing
+
+
+def camera_above(pixels: int = 16) -> None:
+    """A Cycles scene, seen orthographically from above, one metre wide."""
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    scene.cycles.samples = 1
+    scene.cycles.pixel_filter_type = "BOX"
+    scene.cycles.use_denoising = False
+    scene.cycles.use_adaptive_sampling = False
+    scene.render.resolution_x = scene.render.resolution_y = pixels
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type = "ORTHO"
+    camera.data.ortho_scale = 1
+    camera.location.z = 5
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+
+
+def render(file: Path) -> np.ndarray:
+    bpy.context.scene.render.filepath = str(file)
+    bpy.ops.render.render(write_still=True)
+    return read(file)
+
+
+def read(file: Path) -> np.ndarray:
+    return OpenImageIO.ImageBuf(str(file)).get_pixels()[:, :, :3]
+
+
+def slot(number: int) -> tuple[float, tuple[float, ...], float]:
+    """Kind, vector and size as the render sees them."""
+    group = lights.node_group().evaluated_get(bpy.context.evaluated_depsgraph_get())
+    kind, vector, size = (group.nodes[name] for name in lights.slot_names(number))
+    return (
+        kind.outputs[0].default_value,
+        tuple(socket.default_value for socket in vector.inputs),
+        size.outputs[0].default_value,
+    )
+
+
+def drivers() -> list[bpy.types.Driver]:
+    animation = lights.node_group().animation_data
+    return [curve.driver for curve in animation.drivers] if animation else []
+
+
+def fill() -> lights.Report:
+    return lights.fill(bpy.context.scene)
+
+
+# --- what stands in a slot --------------------------------------------------------------------
+
+
+def test_a_sun_is_the_direction_towards_it_and_the_sine_of_its_radius(
+    place: Place, painted: bpy.types.Object
+) -> None:
+    turn = Euler((0.4, -0.3, 1.2))
+    place("SUN", "Sun", rotation_euler=turn, location=(7, 8, 9), angle=0.5, scale=(3, 3, 3))
+    assert fill().slots == ("Sun",)
+    kind, vector, size = slot(1)
+    assert kind == lights.PARALLEL
+    assert vector == pytest.approx((turn.to_matrix() @ Vector((0, 0, 1)))[:], abs=EPSILON)
+    assert size == pytest.approx(math.sin(0.25))
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT"])
+def test_a_point_or_spot_light_is_its_position_and_the_radius_of_its_data(
+    kind: str, place: Place, painted: bpy.types.Object
+) -> None:
+    place(kind, "Lamp", location=(1, 2, 3), scale=(4, 4, 4), shadow_soft_size=0.3)
+    fill()
+    number, vector, size = slot(1)
+    assert (number, size) == (lights.POSITIONED, pytest.approx(0.3))
+    assert vector == pytest.approx((1, 2, 3))
+
+
+def test_cycles_does_not_scale_the_radius_of_a_lamp(place: Place, tmp_path: Path) -> None:
+    """Why the slot has the radius of the data, whatever the object's scale."""
+    camera_above(64)
+    bpy.context.scene.cycles.samples = 4
+    lamp = place("POINT", "Lamp", shadow_soft_size=0.2, energy=10)
+    pixels = []
+    for scale in ((1, 1, 1), (2, 2, 2), (2, 1, 0.5)):
+        lamp.scale = scale
+        pixels.append((render(tmp_path / "lamp.exr")[:, :, 0] > 0).sum())
+    assert pixels[0] == pytest.approx(math.pi * 0.2**2 * 64**2, rel=0.2)
+    assert pixels == pixels[:1] * 3
+
+
+@pytest.mark.parametrize(
+    "scale", [(1, 1, 1), (1, 2, 0.7), (-1, 1, 1), (1, -1, 1), (-2, 1, 0.5), (0.1, 0.1, 0.1)]
+)
+def test_a_sun_is_where_cycles_takes_its_light_from_under_any_parent(
+    scale: tuple[float, float, float], place: Place, tmp_path: Path
+) -> None:
+    camera_above()
+    quad = paint_quad("White")
+    white = bpy.data.materials.new("White")
+    if white.node_tree is None:
+        white.use_nodes = True
+    nodes = white.node_tree.nodes
+    nodes.clear()
+    diffuse, out = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
+    white.node_tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
+    material.assign(quad, white)
+    paint_quad("Painted").location.x = 50
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.rotation_euler, parent.scale = (0.2, 0.1, 0.4), scale
+    place("SUN", "Sun", rotation_euler=(0.5, 0.3, 0), parent=parent, energy=math.pi, angle=0)
+    fill()
+    cosine = slot(1)[1][2]
+    assert cosine > 0.3
+    assert render(tmp_path / "white.exr")[8, 8, 0] == pytest.approx(cosine, rel=1e-5)
+
+
+def test_unused_slots_are_zero_and_have_no_drivers(place: Place, painted: object) -> None:
+    place("POINT", "Lamp", location=(1, 2, 3))
+    fill()
+    for number in range(2, lights.SLOTS + 1):
+        assert slot(number) == (0, (0, 0, 0), 0)
+    assert len(drivers()) == 4
+
+
+@pytest.mark.parametrize("kind", ["SUN", "POINT", "SPOT"])
+def test_drivers_need_no_python(kind: str, place: Place, painted: object) -> None:
+    for i in range(lights.SLOTS):
+        place(kind, f"Lamp {i}")
+    fill()
+    assert len(drivers()) == 4 * lights.SLOTS
+    for driver in drivers():
+        assert driver.is_simple_expression
+        assert driver.is_valid
+
+
+def test_values_are_right_at_once_even_where_no_paint_is(place: Place) -> None:
+    lamp = place("POINT", "Lamp", location=(1, 2, 3), shadow_soft_size=0.5)
+    fill()
+    lamp.location = (4, 5, 6)
+    fill()
+    nodes = lights.node_group().nodes
+    assert [socket.default_value for socket in nodes["Light1Vector"].inputs] == [4, 5, 6]
+    assert nodes["Light1Size"].outputs[0].default_value == 0.5
+
+
+def test_a_light_that_moves_is_followed(place: Place, painted: object) -> None:
+    lamp = place("POINT", "Lamp")
+    fill()
+    lamp.location = (4, 5, 6)
+    lamp.data.shadow_soft_size = 0.75
+    assert slot(1) == (lights.POSITIONED, (4, 5, 6), 0.75)
+
+
+def test_a_constrained_light_is_followed(place: Place, painted: object) -> None:
+    target = bpy.data.objects.new("Target", None)
+    bpy.context.scene.collection.objects.link(target)
+    target.location = (0, 3, 4)
+    sun = place("SUN", "Sun", location=(0, 0, 0))
+    constraint = sun.constraints.new("TRACK_TO")
+    constraint.target, constraint.track_axis, constraint.up_axis = target, "TRACK_Z", "UP_Y"
+    fill()
+    assert slot(1)[1] == pytest.approx((0, 0.6, 0.8), abs=EPSILON)
+    target.location = (3, 0, 4)
+    assert slot(1)[1] == pytest.approx((0.6, 0, 0.8), abs=EPSILON)
+
+
+def test_a_light_of_no_extent_at_all_gives_no_driver_error(place: Place, painted: object) -> None:
+    place("SUN", "Sun", scale=(0, 0, 0))
+    fill()
+    assert slot(1)[1] == (0, 0, 0)
+    assert all(driver.is_valid for driver in drivers())
+
+
+# --- which lights -----------------------------------------------------------------------------
+
+
+def test_slots_are_ordered_by_name(place: Place) -> None:
+    for name, energy in (("B", 3), ("C", 2), ("A", 1)):
+        place("SUN", name, energy=energy)
+    assert fill() == lights.Report(("A", "B", "C"), {}, ())
+
+
+def test_an_area_light_has_no_slot_and_is_told(place: Place) -> None:
+    place("AREA", "Softbox", energy=1e6)
+    report = fill()
+    assert report.slots == ()
+    assert report.left_out == {"Softbox": "an area light lights the paint's mean"}
+    assert str(report) == "no sparkles from Softbox: an area light lights the paint's mean"
+
+
+def test_a_light_that_does_not_render_has_no_slot(place: Place) -> None:
+    place("SUN", "Shown")
+    place("SUN", "Hidden").hide_render = True
+    excluded, hidden = (bpy.data.collections.new(name) for name in ("Excluded", "Off"))
+    for collection in (excluded, hidden):
+        bpy.context.scene.collection.children.link(collection)
+        light = place("SUN", f"In {collection.name}")
+        bpy.context.scene.collection.objects.unlink(light)
+        collection.objects.link(light)
+    inner = bpy.data.collections.new("Inner")
+    excluded.children.link(inner)
+    light = place("SUN", "Deep inside")
+    bpy.context.scene.collection.objects.unlink(light)
+    inner.objects.link(light)
+    bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+    hidden.hide_render = True
+    assert fill() == lights.Report(("Shown",), {}, ())
+
+
+def test_a_light_hidden_in_the_viewport_only_has_a_slot(place: Place, painted: object) -> None:
+    lamp = place("POINT", "Lamp", location=(1, 2, 3))
+    lamp.hide_viewport = True
+    assert fill().slots == ("Lamp",)
+    assert slot(1)[1] == (1, 2, 3)
+    lamp.location.x = 5
+    assert slot(1)[1] == (5, 2, 3)
+
+
+def test_lights_of_every_view_layer_have_slots(place: Place) -> None:
+    scene = bpy.context.scene
+    collection = bpy.data.collections.new("Second only")
+    scene.collection.children.link(collection)
+    light = place("SUN", "Sun", rotation_euler=(0.5, 0, 0))
+    scene.collection.objects.unlink(light)
+    collection.objects.link(light)
+    first = scene.view_layers[0]
+    second = scene.view_layers.new("Second")
+    first.layer_collection.children[collection.name].exclude = True
+    second.layer_collection.children[collection.name].exclude = False
+    assert fill().slots == ("Sun",)
+    vector = [s.default_value for s in lights.node_group().nodes["Light1Vector"].inputs]
+    assert vector == pytest.approx((0, -math.sin(0.5), math.cos(0.5)), abs=EPSILON)
+    second.use = False
+    assert fill().slots == ()
+
+
+def test_an_instanced_light_is_told(place: Place) -> None:
+    lamp = place("POINT", "Lamp")
+    collection = bpy.data.collections.new("Lamps")
+    bpy.context.scene.collection.objects.unlink(lamp)
+    collection.objects.link(lamp)
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    report = fill()
+    assert report.slots == ()
+    assert list(report.left_out) == ["Lamp"]
+    assert "instanced" in report.left_out["Lamp"]
+
+
+def test_of_more_than_eight_lights_the_brightest_at_the_paint_stay(
+    place: Place, painted: object
+) -> None:
+    for i in range(10):
+        place("SUN", f"Sun {i}", energy=1 + (7 * i) % 10)
+    report = fill()
+    energies = {name: bpy.data.objects[name].data.energy for name in report.slots}
+    assert len(energies) == lights.SLOTS
+    assert min(energies.values()) == 3
+    assert report.slots == tuple(sorted(report.slots))
+    assert set(report.left_out.values()) == {"8 brighter lights have the slots"}
+    assert {bpy.data.objects[name].data.energy for name in report.left_out} == {1, 2}
+
+
+@pytest.mark.parametrize(
+    ("values", "stays"),
+    [
+        # A lamp of 4π·d² W sends 1 W/m² to a distance of d; the other lights send 1 W/m².
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 100 * 1.1}, True),
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 100 * 0.9}, False),
+        # The distance is that to the nearest point of the painted box, not to its centre.
+        ({"location": (11, 0, 0), "energy": 4 * math.pi * 100 * 1.1}, True),
+        ({"location": (11, 0, 0), "energy": 4 * math.pi * 100 * 0.9}, False),
+        ({"location": (0, 0, 0.01), "energy": 1}, True),
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 100, "exposure": 0.2}, True),
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 100, "exposure": -0.2}, False),
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 200, "color": (0.1, 0.6, 0)}, True),
+        ({"location": (0, 0, 10), "energy": 4 * math.pi * 200, "color": (0.1, 0.4, 0)}, False),
+    ],
+)
+def test_a_lamp_competes_with_its_irradiance_on_the_nearest_paint(
+    values: dict[str, object], stays: bool, place: Place, painted: object
+) -> None:
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    place("POINT", "Lamp", shadow_soft_size=0, **values)
+    assert ("Lamp" in fill().slots) == stays
+
+
+@pytest.mark.parametrize(
+    ("tilt", "stays"), [(0, True), (0.5, True), (0.7, False), (math.pi, False)]
+)
+def test_a_spot_competes_only_where_its_cone_meets_paint(
+    tilt: float, stays: bool, place: Place, painted: object
+) -> None:
+    """A cone of 0.5 rad about the axis, 10 m above a box of radius √2: they meet up to 0.64."""
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    place("SPOT", "Spot", location=(0, 0, 10), rotation_euler=(tilt, 0, 0), energy=1e5,
+          spot_size=1.0)  # fmt: skip
+    assert ("Spot" in fill().slots) == stays
+
+
+def test_only_paint_counts_when_lights_compete(place: Place, painted: object) -> None:
+    unpainted = paint_quad("Unpainted")
+    material.assign(unpainted, bpy.data.materials.new("Plain"))
+    unpainted.location.x = 100
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    place("POINT", "Lamp", location=(100, 0, 1), energy=100)
+    assert "Lamp" not in fill().slots
+    material.assign(unpainted, material.create(Paint()))
+    assert "Lamp" in fill().slots
+
+
+# --- again and again --------------------------------------------------------------------------
+
+
+def test_filling_again_leaves_nothing_of_before(place: Place, painted: object) -> None:
+    sun = place("SUN", "A sun", angle=0.5)
+    place("POINT", "B lamp", location=(1, 2, 3))
+    fill()
+    fill()
+    assert len(drivers()) == 8
+    bpy.data.objects.remove(sun)
+    assert fill().slots == ("B lamp",)
+    assert slot(1)[:2] == (lights.POSITIONED, (1, 2, 3))
+    assert slot(2) == (0, (0, 0, 0), 0)
+    assert len(drivers()) == 4
+    bpy.data.objects.remove(bpy.data.objects["B lamp"])
+    assert fill().slots == ()
+    assert slot(1) == (0, (0, 0, 0), 0)
+    assert not drivers()
+
+
+def test_a_light_that_becomes_another_kind_is_filled_anew(
+    place: Place, painted: object
+) -> None:
+    lamp = place("SUN", "Lamp", location=(1, 2, 3))
+    fill()
+    lamp.data.type = "POINT"
+    lamp.data.shadow_soft_size = 0.5
+    fill()
+    assert slot(1) == (lights.POSITIONED, (1, 2, 3), 0.5)
+    assert all(driver.is_valid for driver in drivers())
+
+
+def test_the_slots_are_those_of_the_scene_filled_last(place: Place) -> None:
+    place("SUN", "Sun")
+    fill()
+    other = bpy.data.scenes.new("Other")
+    other.unit_settings.scale_length = 0.5
+    assert lights.fill(other).slots == ()
+    nodes = lights.node_group().nodes
+    assert nodes["Light1Kind"].outputs[0].default_value == 0
+    assert nodes[lights.METERS_PER_UNIT].outputs[0].default_value == 0.5
+
+
+# --- one group per file -----------------------------------------------------------------------
+
+
+def light_groups() -> list[str]:
+    return [group.name for group in bpy.data.node_groups if group.name.startswith(lights.NAME)]
+
+
+def save_paint(tmp_path: Path, place: Place) -> str:
+    """A file with a paint lit by a lamp; afterwards the scene is empty again."""
+    place("POINT", "Foreign lamp")
+    paint_quad("Foreign")
+    fill()
+    file = str(tmp_path / "foreign.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return file
+
+
+def test_an_appended_paint_joins_the_lights_of_the_file(tmp_path: Path, place: Place) -> None:
+    file = save_paint(tmp_path, place)
+    paint_quad("Painted")
+    place("SUN", "Sun")
+    fill()
+    with bpy.data.libraries.load(file, link=False) as (there, here):
+        here.materials = there.materials
+    assert len(light_groups()) == 2
+    report = fill()
+    assert report == lights.Report(("Sun",), {}, ())
+    assert light_groups() == [lights.NAME]
+    for paint in bpy.data.materials:
+        inner = material.paint_node(paint).node_tree.nodes[lights.NAME]
+        assert inner.node_tree == lights.node_group()
+
+
+def test_a_linked_paint_that_cannot_be_filled_is_told(tmp_path: Path, place: Place) -> None:
+    file = save_paint(tmp_path, place)
+    with bpy.data.libraries.load(file, link=True) as (there, here):
+        here.materials = there.materials
+    report = fill()
+    assert report.read_only == (file,)
+    assert str(report) == f"paints linked from {file} do not see these lights"
+
+
+# --- in the render ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [1, 2], ids=["a used slot", "an unused slot"])
+def test_a_slot_is_a_constant_to_the_compiler(
+    number: int, place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """So OSL folds it away: through two groups and drivers it costs what a number would."""
+    camera_above()
+    place("SUN", "Sun", angle=0.5, rotation_euler=(0.5, 0, 0))
+    fill()
+    text = bpy.data.texts.new("constant.osl")
+    text.write(
+        "shader constant(float Kind = 0, vector Vector = 0, float Size = 0, float Varying = 0,"
+        " output closure color BSDF = 0)\n"
+        "{ BSDF = color(isconstant(Kind), isconstant(Vector) && isconstant(Size),"
+        " isconstant(Varying)) * emission(); }"
+    )
+    tree = painted.active_material.node_tree
+    script, group = tree.nodes.new("ShaderNodeScript"), tree.nodes.new("ShaderNodeGroup")
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    shader.compile_into(script, text)
+    group.node_tree = lights.node_group()
+    for name, socket in zip(lights.slot_names(number), script.inputs, strict=False):
+        tree.links.new(group.outputs[name], socket)
+    tree.links.new(geometry.outputs["Backfacing"], script.inputs["Varying"])
+    tree.links.new(script.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    assert render(tmp_path / "constant.exr")[8, 8].tolist() == [1, 1, 0]
+
+
+RENDER_ALONE = """
+import os, sys
+import bpy
+sys.path = [path for path in sys.path if "addon" not in path and "tools" not in path]
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1], use_scripts=False)
+for name in ("metallic_paint", "oslquery"):
+    try:
+        __import__(name)
+    except ImportError:
+        pass
+    else:
+        print("can import", name, flush=True)
+        os._exit(1)
+bpy.context.scene.render.filepath = sys.argv[2]
+bpy.ops.render.render(animation=True)
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_a_machine_without_add_on_or_permission_to_run_scripts_follows_animated_lights(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """A sun under a mirrored, turning parent and a moving lamp that grows, at three frames."""
+    camera_above()
+    scene = bpy.context.scene
+    parent = bpy.data.objects.new("Parent", None)
+    parent.scale = (-1, 1, 2)
+    scene.collection.objects.link(parent)
+    place("SUN", "A sun", parent=parent, rotation_euler=(0.3, 0.2, 0), angle=0.4)
+    lamp = place("POINT", "B lamp", shadow_soft_size=0.1)
+    for frame, amount in ((1, 0.0), (11, 1.0)):
+        parent.rotation_euler.x = amount
+        parent.keyframe_insert("rotation_euler", frame=frame)
+        lamp.location = (amount, 2 * amount, 3)
+        lamp.keyframe_insert("location", frame=frame)
+        lamp.data.shadow_soft_size = 0.1 + amount
+        lamp.data.keyframe_insert("shadow_soft_size", frame=frame)
+    fill()
+    show_slots(painted.active_material)
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, 11, 5
+    expected = {}
+    for frame in (1, 6, 11):
+        scene.frame_set(frame)
+        sun = Matrix(bpy.data.objects["A sun"].matrix_world).col[2].xyz.normalized()
+        expected[frame] = [*sun, *lamp.matrix_world.translation, lamp.data.shadow_soft_size]
+    assert (Vector(expected[1][:3]) - Vector(expected[11][:3])).length > 0.5
+    file = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    result = subprocess.run(
+        [sys.executable, "-c", RENDER_ALONE, str(file), str(tmp_path / "frame_")],
+        capture_output=True, text=True, timeout=120, cwd=tmp_path,
+        env={"BLENDER_USER_RESOURCES": str(tmp_path), "PATH": ""},
+    )  # fmt: skip
+    assert result.returncode == 0, result.stdout + result.stderr
+    for frame, values in expected.items():
+        picture = read(tmp_path / f"frame_{frame:04}.exr")
+        # The three stripes that show_slots makes.
+        shown = [*picture[8, 2], *picture[8, 8], picture[8, 13, 0]]
+        assert shown == pytest.approx(values, abs=1e-5), f"frame {frame}"
+
+
+def show_slots(paint: bpy.types.Material) -> None:
+    """Makes the material emit slot 1's vector, slot 2's vector and slot 2's size in stripes."""
+    text = bpy.data.texts.new("stripes.osl")
+    text.write(
+        "shader stripes(vector One = 0, vector Two = 0, float Size = 0,"
+        " output closure color BSDF = 0)\n"
+        "{ point p = transform(\"NDC\", P);\n"
+        "  vector value = p[0] < 0.33 ? One : (p[0] < 0.66 ? Two : vector(Size));\n"
+        "  BSDF = color(value[0], value[1], value[2]) * emission(); }"
+    )
+    tree = paint.node_tree
+    script, group = tree.nodes.new("ShaderNodeScript"), tree.nodes.new("ShaderNodeGroup")
+    shader.compile_into(script, text)
+    group.node_tree = lights.node_group()
+    for source, name in (("Light1Vector", "One"), ("Light2Vector", "Two"), ("Light2Size", "Size")):
+        tree.links.new(group.outputs[source], script.inputs[name])
+    tree.links.new(script.outputs[0], tree.nodes["Material Output"].inputs["Surface"])

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Paints, and their files."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from metallic_paint import presets
+from metallic_paint.paint import PARAMETERS
+from metallic_paint.presets import Paint, PaintError, PresetError
+
+NUMBERS = [
+    name for name, parameter in PARAMETERS.items()
+    if not parameter.choices and not isinstance(getattr(Paint(), name), tuple)
+]  # fmt: skip
+COLORS = [name for name in PARAMETERS if isinstance(getattr(Paint(), name), tuple)]
+
+
+def text(paint: dict[str, object], **more: object) -> str:
+    return json.dumps({"schema_version": 1, "paint": paint, **more})
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_shipped_preset_is_a_plausible_paint(name: str) -> None:
+    paint = presets.load(name)
+    assert 0.5 <= paint.flake_coverage <= 3
+    assert 0.1 <= paint.tilt <= 0.25
+
+
+def test_the_promised_presets_ship() -> None:
+    assert set(presets.names()) >= {
+        "silver-fine", "silver-coarse", "deep-blue", "champagne", "candy-red", "copper",
+        "gunmetal", "gold",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_shipped_preset_leaves_nothing_to_defaults(name: str) -> None:
+    content = json.loads((presets.FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+    assert list(content["paint"]) == list(PARAMETERS)
+    assert content["description"]
+
+
+def test_coverage_is_flake_area_per_area_of_paint() -> None:
+    paint = Paint(flakes_per_mm2=1000, flake_diameter_um=20)
+    assert paint.flake_coverage == pytest.approx(1000e6 * math.pi / 4 * 20e-6**2)
+
+
+# --- a paint checks itself ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("end", ["minimum", "maximum"])
+def test_a_paint_takes_the_ends_of_a_range_and_nothing_beyond(name: str, end: str) -> None:
+    parameter = PARAMETERS[name]
+    bound = getattr(parameter, end)
+    assert getattr(Paint(**{name: bound}), name) == bound
+    beyond = bound + math.copysign(max(1e-9, abs(bound) * 1e-9), -1 if end == "minimum" else 1)
+    if name == "seed":
+        beyond = bound + (-1 if end == "minimum" else 1)
+    with pytest.raises(PaintError) as error:
+        Paint(**{name: beyond})
+    assert str(error.value) == (
+        f"{name} is {beyond!r} and must lie in {parameter.minimum:g}..{parameter.maximum:g}."
+    )
+
+
+@pytest.mark.parametrize("name", NUMBERS + COLORS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_paint_has_only_finite_numbers(name: str, value: float) -> None:
+    with pytest.raises(PaintError, match=f"^{name}.* is -?(nan|inf) and must "):
+        Paint(**{name: (value, 0, 0) if name in COLORS else value})
+
+
+@pytest.mark.parametrize("name", COLORS)
+@pytest.mark.parametrize("value", [0.5, "red", (0.1, 0.2), (0, 0, 0, 1), None])
+def test_a_color_is_three_numbers(name: str, value: object) -> None:
+    with pytest.raises(PaintError, match=f"^{name} is .* and must be three numbers"):
+        Paint(**{name: value})
+
+
+def test_a_bad_channel_is_named() -> None:
+    with pytest.raises(PaintError, match=r"^flake_color\[1\] is 1.5 and must lie in 0..1\.$"):
+        Paint(flake_color=(0, 1.5, 0))
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [True, "3", None, [1]])
+def test_a_number_is_a_number(name: str, value: object) -> None:
+    with pytest.raises(PaintError, match=f"^{name} is .* and must be a (whole )?number"):
+        Paint(**{name: value})
+
+
+def test_a_seed_is_whole() -> None:
+    with pytest.raises(PaintError, match=r"^seed is 1\.5 and must be a whole number\.$"):
+        Paint(seed=1.5)
+
+
+@pytest.mark.parametrize("name", ["orientation", "depth_model", "radiometry"])
+@pytest.mark.parametrize("value", ["phong", "", 0, None, ["gaussian"]])
+def test_a_choice_is_one_of_its_words(name: str, value: object) -> None:
+    with pytest.raises(PaintError) as error:
+        Paint(**{name: value})
+    assert str(error.value) == (
+        f"{name} is {value!r} and must be one of {', '.join(PARAMETERS[name].choices)}."
+    )
+
+
+@pytest.mark.parametrize("orientation", ["beckmann", "ggx"])
+def test_a_roughness_is_at_most_one(orientation: str) -> None:
+    assert Paint(orientation=orientation, tilt=1).tilt == 1
+    assert Paint(orientation="gaussian", tilt=1.01).tilt == 1.01
+    with pytest.raises(PaintError, match=r"^tilt is 1\.01 and must lie in 1e-06\.\.1, "):
+        Paint(orientation=orientation, tilt=1.01)
+
+
+@pytest.mark.parametrize("edge", ["", "edge_"])
+def test_a_flake_gives_back_no_more_light_than_it_receives(edge: str) -> None:
+    reflectance = f"flake_{edge}color"
+    paint = {"flake_color": (0.5, 0.5, 0.5), "flake_edge_color": (0.5, 0.5, 0.5)}
+    paint |= {reflectance: (0.9, 0.9, 0.9)}
+    Paint(**paint, flake_transmission=(0.1, 0.1, 0.1))
+    with pytest.raises(PaintError) as error:
+        Paint(**paint, flake_transmission=(0.1, 0.1, 0.11))
+    assert str(error.value).startswith(
+        f"{reflectance}[2] + flake_transmission[2] is 0.9 + 0.11 and must lie in 0..1"
+    )
+
+
+def test_a_paint_does_not_change() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Paint().tilt = 0.2
+
+
+# --- files ----------------------------------------------------------------------------------------
+
+
+def test_a_saved_paint_is_read_back(tmp_path: Path) -> None:
+    paint = Paint(
+        flakes_per_mm2=1234.5, orientation="ggx", tilt=0.21, flake_color=(0.1, 0.2, 1 / 3),
+        depth_model="thinned", radiometry="published", seed=-7,
+    )  # fmt: skip
+    presets.save(paint, tmp_path / "mine.json", "Käferblau")
+    assert presets.load(tmp_path / "mine.json") == paint
+    assert presets.load(str(tmp_path / "mine.json")) == paint
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.json"]
+
+
+def test_a_failed_save_leaves_the_earlier_file_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "mine.json"
+    presets.save(Paint(seed=1), file)
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OSError, match="No space"):
+        presets.save(Paint(seed=2), file)
+    assert presets.load(file) == Paint(seed=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.json"]
+
+
+def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
+    (tmp_path / "mine.json").write_text(text({"tilt": 0.3}))
+    assert presets.load(tmp_path / "mine.json") == Paint(tilt=0.3)
+
+
+def test_an_unknown_name_is_told_the_known_ones() -> None:
+    with pytest.raises(PresetError, match="'silber' is neither a file nor a preset.*candy-red"):
+        presets.load("silber")
+
+
+def test_a_folder_is_no_preset(tmp_path: Path) -> None:
+    with pytest.raises(PresetError, match="is neither a file nor a preset"):
+        presets.load(tmp_path)
+
+
+BAD_FILES = {
+    "nan": (text({"tilt": math.nan}), "NaN is no number that a paint can have"),
+    "infinity": (text({"tilt": math.inf}), "Infinity is no number that a paint can have"),
+    "overflow": ('{"schema_version": 1, "paint": {"tilt": 1e999}}',
+                 "paint.tilt is inf and must lie in 1e-06..100"),
+    "huge integer": ('{"schema_version": 1, "paint": {"tilt": 1' + 400 * "0" + "}}",
+                     "paint.tilt is 1000000000"),
+    "endless integer": ('{"schema_version": 1, "paint": {"tilt": 1' + 5000 * "0" + "}}",
+                        "is no JSON: Exceeds the limit"),
+    "duplicate key": ('{"schema_version": 1, "paint": {"tilt": 0.1, "tilt": 0.2}}',
+                      "the key 'tilt' stands there twice"),
+    "duplicate paint": ('{"schema_version": 1, "paint": {}, "paint": {}}',
+                        "the key 'paint' stands there twice"),
+    "unknown key": (text({}, author="me"), "author is no key of a preset; the keys are schema_"),
+    "unknown field": (text({"colour": 1}), "paint.colour is no key of a preset; the keys are fl"),
+    "no version": ('{"paint": {}}', "schema_version is None and must be 1"),
+    "other version": ('{"schema_version": 2, "paint": {}}', "schema_version is 2 and must be 1"),
+    "true version": ('{"schema_version": true, "paint": {}}',
+                     "schema_version is True and must be 1"),
+    "float version": ('{"schema_version": 1.0, "paint": {}}',
+                      "schema_version is 1.0 and must be 1"),
+    "no paint": ('{"schema_version": 1}', "paint is missing or no object"),
+    "paint a list": ('{"schema_version": 1, "paint": []}', "paint is missing or no object"),
+    "description": (text({}, description=3), "description must be a text"),
+    "boolean": (text({"tilt": True}), "paint.tilt is True and must be a number"),
+    "string": (text({"tilt": "0.1"}), "paint.tilt is '0.1' and must be a number"),
+    "fractional seed": (text({"seed": 1.5}), "paint.seed is 1.5 and must be a whole number"),
+    "color": (text({"flake_color": [1, 1]}), "paint.flake_color is [1, 1] and must be three num"),
+    "color of booleans": (text({"flake_color": [True, 0, 0]}),
+                          "paint.flake_color[0] is True and must be a number"),
+    "range": (text({"binder_ior": 0}), "paint.binder_ior is 0 and must lie in 0.1..10"),
+    "energy": (text({"flake_transmission": [0.5, 0, 0]}), "paint.flake_color[0] + flake_transm"),
+    "not an object": ("[1]", "the file must hold an object {...}"),
+    "not JSON": ("paint: silver", "is no JSON"),
+    "empty": ("", "is no JSON"),
+    "trailing": (text({}) + "x", "is no JSON"),
+    "deep": ("[" * 60000, "is no JSON"),
+    "large": (text({}) + " " * presets.MAX_BYTES, "is larger than 65536 bytes"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("content", "message"), BAD_FILES.values(), ids=list(BAD_FILES))
+def test_a_bad_file_is_refused_with_its_name_and_the_reason(
+    tmp_path: Path, content: str, message: str
+) -> None:
+    file = tmp_path / "bad.json"
+    file.write_text(content, encoding="utf-8")
+    with pytest.raises(PresetError) as error:
+        presets.load(file)
+    said = str(error.value)
+    assert said.startswith(str(file))
+    assert message in said
+    assert said.endswith(".")
+
+
+def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "bad.json"
+    file.write_bytes(b'{"schema_version": 1, "description": "\xff", "paint": {}}')
+    with pytest.raises(PresetError, match="is no JSON: 'utf-8' codec"):
+        presets.load(file)
+
+
+def test_presets_need_no_blender() -> None:
+    code = "import sys, metallic_paint.presets as p; p.load('gold'); assert 'bpy' not in sys.modules"
+    addon = Path(presets.__file__).parent.parent
+    subprocess.run([sys.executable, "-c", code], cwd=addon, check=True, timeout=60)

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renders the scenes of verify_scenes.py in this Blender and checks each pixel against the core."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+import traceback
+from pathlib import Path
+
+import blender_env
+
+blender_env.prepare()
+
+import bars  # noqa: E402
+import bpy  # noqa: E402
+import numpy as np  # noqa: E402
+import verify_scenes  # noqa: E402
+from metallic_paint import lights, verify  # noqa: E402
+from verify_images import write_comparison  # noqa: E402
+
+SIZE = 256  # pixels along each side of a picture
+LEAST_SAME_COUNT = 0.9999
+STANDARD_ERRORS = 4.0  # two-sided: passed by chance once in 16,000
+VARIANCE_ERROR = 0.05
+
+
+@dataclasses.dataclass
+class Sums:
+    """Moments of the sparkles of one light over pixels and seeds: the picture's and the core's."""
+
+    radiance: np.ndarray  # RGB, as all below
+    expected: np.ndarray
+    square: np.ndarray  # of the deviation from the expected value
+    variance: np.ndarray
+
+    @classmethod
+    def zero(cls) -> Sums:
+        return cls(*(np.zeros(3) for _ in range(4)))
+
+    def add(self, radiance: np.ndarray, predicted: dict, light: int) -> None:
+        mean = predicted["mean_radiance"][:, light]
+        self.radiance += radiance.sum(axis=0, dtype=float)
+        self.expected += mean.sum(axis=0)
+        self.square += ((radiance - mean) ** 2).sum(axis=0)
+        self.variance += predicted["variance"][:, light].sum(axis=0)
+
+    def standard_errors(self) -> float:
+        return float(np.abs((self.radiance - self.expected) / np.sqrt(self.variance)).max())
+
+    def variance_error(self) -> float:
+        return float(np.abs(self.square / self.variance - 1).max())
+
+
+def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    item = verify_scenes.build(scene, spec, SIZE)
+    probe = verify.Probe(scene, [item.active_material])
+    geometry = probe.geometry()
+    slots = verify.core_lights()
+    names = lights.fill(scene).slots
+    label = f"Blender {bpy.app.version_string.removesuffix(' LTS')}, {spec.name}"
+    report = check_camera(label, scene, geometry)
+
+    for light, lamp in enumerate(names):
+        comparison, sums, shown = None, Sums.zero(), None
+        for seed in range(spec.seeds):
+            paint = verify.core_paint(spec.paint, seed=spec.paint.seed + seed)
+            probe.set("Seed", paint.seed)
+            predicted = verify.predict(paint, slots, geometry, "float")
+            leader = int(predicted["leader"][:, light].max())
+            if leader < 0:
+                break  # below the horizon of every pixel: nothing to see
+            images = [probe.image(d, leader) for d in (verify.COUNT, verify.RADIANCE)]
+            sums.add(images[1][geometry.hit], verify.predict(paint, slots, geometry, "double"), light)
+            if seed:
+                continue
+            cone = probe.image(verify.CONE, leader)[..., 0]
+            lit = [probe.lit_by(lamp, d, leader) for d in (verify.SPARKLES, verify.IRRADIANCE)]
+            comparison = verify.compare(
+                paint, geometry, predicted, light, leader, images[0][..., 0], cone, *lit
+            )
+            shown = lit, predicted
+        where = label if len(names) == 1 else f"{label}, {lamp}"
+        if comparison is None:
+            dark = probe.lit_by(lamp, verify.SPARKLES, light)
+            report.append(bars.at_most(f"{where}: brightest pixel of a light that is down",
+                                       float(dark.max()), 0.0, "W/m²/sr"))  # fmt: skip
+            continue
+        report += judge(where, comparison, sums)
+        (picture, irradiance), predicted = shown
+        core = np.zeros_like(picture)
+        core[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
+        title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
+        write_comparison(out / f"{slug(title)}.png", picture, core)
+    return report
+
+
+def judge(where: str, comparison: verify.Comparison, sums: Sums) -> list[bars.Bar]:
+    c = comparison
+    print(f"  {where}: {c.pixels} pixels, another count in {c.pixels - c.same_count} "
+          f"(pixel edge {c.at_pixel_edge}, threshold {c.at_threshold}, "
+          f"unexplained {c.unexplained}), {c.by_chance} below Cycles' least weight", flush=True)  # fmt: skip
+    error = c.radiance_error if c.radiance_error.size else np.array([np.inf])
+    return [
+        bars.at_least(f"{where}: share of pixels with the same count", c.same_count / c.pixels,
+                      LEAST_SAME_COUNT),
+        bars.at_most(f"{where}: pixels with an unexplained count", c.unexplained, 0, "pixels"),
+        bars.at_most(f"{where}: relative error of radiance, 99.9 % of pixels",
+                     float(np.quantile(error, 0.999)), 1e-3),
+        bars.at_most(f"{where}: relative error of radiance, all pixels", float(error.max()), 1e-2),
+        bars.at_most(f"{where}: mean radiance off the closed form, standard errors",
+                     sums.standard_errors(), STANDARD_ERRORS),
+        bars.at_most(f"{where}: relative error of the variance", sums.variance_error(),
+                     VARIANCE_ERROR),
+    ]  # fmt: skip
+
+
+def check_camera(label: str, scene: bpy.types.Scene, geometry: verify.Geometry) -> list[bars.Bar]:
+    """The shader's view vectors and footprints against the camera, computed here in double."""
+    hit = geometry.hit
+    camera = scene.camera
+    world = np.array(camera.matrix_world, dtype=float)
+    axis = world[:3, 2]
+    data, size = camera.data, scene.render.resolution_x
+    position = geometry.position[hit].astype(float)
+    normal = geometry.normal[hit].astype(float)
+    to_eye = world[:3, 3] - position
+    depth = to_eye @ axis
+    if data.type == "ORTHO":
+        view = np.broadcast_to(axis, position.shape)
+        pixel = np.full(len(position), data.ortho_scale / size)
+    else:
+        view = to_eye / np.linalg.norm(to_eye, axis=1, keepdims=True)
+        pixel = depth * 2 * np.tan(data.angle / 2) / size
+    # A pixel's rays cut pixel² out of a plane across the view axis.
+    footprint = pixel**2 * (view @ axis) / (view * normal).sum(axis=1)
+    facing = (view * normal).sum(axis=1) > 0.01
+    return [
+        bars.at_most(f"{label}: error of the view vector",
+                     float(np.abs(geometry.view[hit] - view).max()), 1e-5),
+        bars.at_most(f"{label}: relative error of the pixel's footprint, 99.9 % of pixels",
+                     float(np.quantile(np.abs(geometry.footprint[hit] / footprint - 1)[facing],
+                                       0.999)), 1e-3),
+    ]  # fmt: skip
+
+
+def slug(name: str) -> str:
+    return "-".join("".join(c if c.isalnum() else " " for c in name.lower()).split())
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="paint verify", description=__doc__)
+    parser.add_argument("--json", type=Path, required=True, help="the report")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the pictures")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only scenes with TEXT in the name")
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    scenes = [s for s in verify_scenes.SCENES if arguments.only in s.name]
+    if not scenes:
+        print(f"No scene has “{arguments.only}” in its name.", file=sys.stderr)
+        return 2
+    report = []
+    for number, spec in enumerate(scenes, 1):
+        print(f"[{number}/{len(scenes)}] {spec.name}", flush=True)
+        found = check(spec, arguments.out)
+        for bar in found:
+            if not bar.holds:
+                print(f"  {bar}", flush=True)
+        report += found
+    bars.write(report, arguments.json)
+    return 0 if all(bar.holds for bar in report) else 1
+
+
+if __name__ == "__main__":
+    try:
+        code = main()
+    except Exception:
+        traceback.print_exc()
+        code = 3
+    blender_env.finish(code)
