@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "elementary.h"
+#include "quadrature.h"
 
 namespace metallic_paint {
 
@@ -30,20 +31,23 @@ AreaMoments<T> area_moments(T spread) {
 }
 
 // E[min(X, cap)] and E[min(X, cap)^2]: flakes seen through a pixel that `cap` mean areas would
-// fill.
+// fill. Relative error: double 1e-14, float 2e-6.
 template <class T>
 AreaMoments<T> capped_area_moments(T spread, T cap, AreaMoments<T> whole) {
   if (cap >= 1 + spread * T(kNormalReach)) return whole;
   if (spread * T(kNormalReach) <= 1 - cap) return {cap, cap * cap};
-  if (cap < T(0.05)) {
-    // integral over x from 0 to cap of P(X > x) and 2x P(X > x), by Gauss's three points (error
-    // 1e-12): the closed form below is a small difference of large terms here.
-    const T offset = T(0.387298334620741688518L) * cap;
-    const T p0 = normal_cdf((1 - (cap / 2 - offset)) / spread);
-    const T p1 = normal_cdf((1 - cap / 2) / spread);
-    const T p2 = normal_cdf((1 - (cap / 2 + offset)) / spread);
-    return {cap * (5 * p0 + 8 * p1 + 5 * p2) / 18,
-            cap * (5 * p0 * (cap - 2 * offset) + 8 * p1 * cap + 5 * p2 * (cap + 2 * offset)) / 18};
+  if (cap < spread) {
+    // integral over x from 0 to cap of P(X > x) and 2x P(X > x): the closed form below is a small
+    // difference of large terms here.
+    const GaussRule<T>& rule = gauss_rule<T>();
+    T mean = 0, square = 0;
+    for (int i = 0; i < kGaussPoints<T>; ++i) {
+      const T x = cap * rule.node[i];
+      const T term = rule.weight[i] * normal_cdf((1 - x) / spread);
+      mean = mean + term;
+      square = square + term * x;
+    }
+    return {cap * mean, 2 * cap * square};
   }
   // E[X] - E[(X - cap)+] and E[X^2] - E[(X^2 - cap^2)+].
   const T d = (1 - cap) / spread;

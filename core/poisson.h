@@ -11,8 +11,9 @@
 namespace metallic_paint {
 
 // From this mean on the closed form serves. There its total variation distance from Poisson is
-// 9e-5, its mean right to 1e-6 and its variance to 4e-6 relative, better with every larger mean
-// (tests/core/poisson_test.cpp). Below, inversion is exact to rounding and takes at most 80 steps.
+// 9.1e-5 and its variance right to 6e-6 relative, better with every larger mean; its mean is exact
+// (tests/core/poisson_test.cpp). Below, inversion is exact to rounding (float: total variation
+// 2e-6) and takes at most 100 steps.
 inline constexpr int kPoissonClosedForm = 32;
 
 // Means above this are clamped: a float still squares them.
@@ -28,15 +29,26 @@ T count_deviate(T mean, int slots, T u) {
   if (slots > 0) {
     const T q = mean / static_cast<T>(slots);
     if (q >= 1) return static_cast<T>(slots);
-    // P(N > 0) = 1 - (1-q)^k = q (1 + (1-q) + (1-q)^2 + ...): nothing cancels.
+    // Counts the taken places or the empty ones, whichever are rarer: (1-p)^k cannot underflow.
+    const T p = q > T(0.5) ? 1 - q : q;
+    // P(n > 0) = 1 - (1-p)^k = p (1 + (1-p) + (1-p)^2 + ...): nothing cancels.
     T term = 1;
     T survival = 0;
     for (int k = 0; k < slots; ++k) {
-      survival = survival * (1 - q) + q;
-      term = term * (1 - q);
+      survival = survival * (1 - p) + p;
+      term = term * (1 - p);
     }
-    const T odds = q / (1 - q);
+    const T odds = p / (1 - p);
     int n = 0;
+    if (q > T(0.5)) {
+      T cumulated = term;
+      while (n < slots && u >= cumulated) {
+        n = n + 1;
+        term = term * (static_cast<T>(slots - n + 1) / static_cast<T>(n) * odds);
+        cumulated = cumulated + term;
+      }
+      return static_cast<T>(slots - n);
+    }
     while (n < slots && u < survival) {
       n = n + 1;
       term = term * (static_cast<T>(slots - n + 1) / static_cast<T>(n) * odds);

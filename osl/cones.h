@@ -10,7 +10,7 @@
 #include "random.h"
 
 // Cycles drops closures whose weight averages below 1e-5: cones are widened to stay above.
-#define LEAST_WEIGHT 2e-5
+#define LEAST_WEIGHT 1.1e-5
 // Half-angle margin to the edge of a light; see LEAST_GAP.
 #define CONE_MARGIN 1e-3
 #define NARROW_CONE 0.02

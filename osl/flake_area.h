@@ -4,6 +4,7 @@
 #pragma once
 
 #include "elementary.h"
+#include "quadrature.h"
 
 #define NORMAL_REACH 8.5
 
@@ -37,14 +38,20 @@ AreaMoments capped_area_moments(float spread, float cap, AreaMoments whole)
     moments.square = cap * cap;
     return moments;
   }
-  if (cap < 0.05) {
-    float offset = 0.387298335 * cap;
-    float p0 = normal_cdf((1.0 - (cap / 2.0 - offset)) / spread);
-    float p1 = normal_cdf((1.0 - cap / 2.0) / spread);
-    float p2 = normal_cdf((1.0 - (cap / 2.0 + offset)) / spread);
-    moments.mean = cap * (5.0 * p0 + 8.0 * p1 + 5.0 * p2) / 18.0;
-    moments.square = cap * (5.0 * p0 * (cap - 2.0 * offset) + 8.0 * p1 * cap +
-                            5.0 * p2 * (cap + 2.0 * offset)) / 18.0;
+  if (cap < spread) {
+    float node[12];
+    float weight[12];
+    gauss_rule(node, weight);
+    float mean = 0.0;
+    float square = 0.0;
+    for (int i = 0; i < GAUSS_POINTS; ++i) {
+      float x = cap * node[i];
+      float term = weight[i] * normal_cdf((1.0 - x) / spread);
+      mean = mean + term;
+      square = square + term * x;
+    }
+    moments.mean = cap * mean;
+    moments.square = 2.0 * cap * square;
     return moments;
   }
   float d = (1.0 - cap) / spread;

@@ -16,14 +16,24 @@ float count_deviate(float mean, int slots, float deviate)
     float q = mean / (float)slots;
     if (q >= 1.0)
       return (float)slots;
+    float p = q > 0.5 ? 1.0 - q : q;
     float term = 1.0;
     float survival = 0.0;
     for (int k = 0; k < slots; ++k) {
-      survival = survival * (1.0 - q) + q;
-      term = term * (1.0 - q);
+      survival = survival * (1.0 - p) + p;
+      term = term * (1.0 - p);
     }
-    float odds = q / (1.0 - q);
+    float odds = p / (1.0 - p);
     int n = 0;
+    if (q > 0.5) {
+      float cumulated = term;
+      while (n < slots && deviate >= cumulated) {
+        n = n + 1;
+        term = term * ((float)(slots - n + 1) / (float)n * odds);
+        cumulated = cumulated + term;
+      }
+      return (float)(slots - n);
+    }
     while (n < slots && deviate < survival) {
       n = n + 1;
       term = term * ((float)(slots - n + 1) / (float)n * odds);

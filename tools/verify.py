@@ -16,6 +16,7 @@ blender_env.prepare()
 import bars  # noqa: E402
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
+import verify_hash  # noqa: E402
 import verify_scenes  # noqa: E402
 from metallic_paint import lights, verify  # noqa: E402
 from verify_images import write_comparison  # noqa: E402
@@ -24,6 +25,7 @@ SIZE = 256  # pixels along each side of a picture
 LEAST_SAME_COUNT = 0.9999
 STANDARD_ERRORS = 4.0  # two-sided: passed by chance once in 16,000
 VARIANCE_ERROR = 0.05
+JOINT_SAMPLES = 64
 
 
 @dataclasses.dataclass
@@ -61,7 +63,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     geometry = probe.geometry()
     slots = verify.core_lights()
     names = lights.fill(scene).slots
-    label = f"Blender {bpy.app.version_string.removesuffix(' LTS')}, {spec.name}"
+    label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry)
 
     for light, lamp in enumerate(names):
@@ -78,14 +80,14 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
             if seed:
                 continue
             cone = probe.image(verify.CONE, leader)[..., 0]
-            lit = [probe.lit_by(lamp, d, leader) for d in (verify.SPARKLES, verify.IRRADIANCE)]
+            lit = [probe.lit_by([lamp], d, leader) for d in (verify.SPARKLES, verify.IRRADIANCE)]
             comparison = verify.compare(
                 paint, geometry, predicted, light, leader, images[0][..., 0], cone, *lit
             )
             shown = lit, predicted
         where = label if len(names) == 1 else f"{label}, {lamp}"
         if comparison is None:
-            dark = probe.lit_by(lamp, verify.SPARKLES, light)
+            dark = probe.lit_by([lamp], verify.SPARKLES)
             report.append(bars.at_most(f"{where}: brightest pixel of a light that is down",
                                        float(dark.max()), 0.0, "W/m²/sr"))  # fmt: skip
             continue
@@ -95,7 +97,25 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
         core[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
         title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
         write_comparison(out / f"{slug(title)}.png", picture, core)
+    if len(names) > 1:
+        report.append(check_joint(label, probe, names))
     return report
+
+
+def check_joint(label: str, probe: verify.Probe, lamps: tuple[str, ...]) -> bars.Bar:
+    """All lamps at once against the sum of the pictures of each: Cycles picks a lamp per sample."""
+    probe.scene.cycles.samples = JOINT_SAMPLES
+    total = sum(probe.lit_by([lamp], verify.SPARKLES) for lamp in lamps)
+    difference = (probe.lit_by(lamps, verify.SPARKLES) - total).mean(axis=-1)
+    probe.scene.cycles.samples = 1
+    difference = difference[total.max(axis=-1) > 0]
+    error = max(difference.std() / np.sqrt(difference.size), 1e-6 * total.mean())
+    return bars.at_most(f"{label}: all lamps at once off the sum of each, standard errors",
+                        float(np.abs(difference.mean()) / error), STANDARD_ERRORS)  # fmt: skip
+
+
+def blender() -> str:
+    return f"Blender {bpy.app.version_string.removesuffix(' LTS')}"
 
 
 def judge(where: str, comparison: verify.Comparison, sums: Sums) -> list[bars.Bar]:
@@ -162,7 +182,7 @@ def main() -> int:
     if not scenes:
         print(f"No scene has “{arguments.only}” in its name.", file=sys.stderr)
         return 2
-    report = []
+    report = [] if arguments.only else [verify_hash.check(blender())]
     for number, spec in enumerate(scenes, 1):
         print(f"[{number}/{len(scenes)}] {spec.name}", flush=True)
         found = check(spec, arguments.out)

@@ -68,7 +68,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     Suns, point and spot lights that render take part. Of more than 8, those stay that send the
     greatest irradiance to any painted object, not counting shadows, light linking, and nodes of
     the light. The slots are ordered by name, so a light's sparkles do not change when another
-    light grows brighter.
+    light grows brighter. A file of several scenes has the lights of the scene filled last.
     """
     group = _one_group()
     _clear(group)
@@ -198,7 +198,8 @@ def _drive(
         target.id = datablock
         target.data_path = path
     driver.expression = expression
-    assert driver.is_simple_expression and driver.is_valid, expression
+    assert driver.is_simple_expression, expression
+    assert driver.is_valid, expression
 
 
 # --- which lights ------------------------------------------------------------------------------
@@ -261,20 +262,27 @@ class _Box:
 
     def nearest(self, point: Vector) -> Vector:
         local = self.matrix.inverted_safe() @ point
-        clamped = (min(max(*pair), top) for *pair, top in zip(local, self.low, self.high))
-        return self.matrix @ Vector(clamped)
+        bounded = zip(self.low, local, self.high, strict=True)
+        return self.matrix @ Vector([min(max(low, x), high) for low, x, high in bounded])
 
 
 def _painted_boxes(layers: list[bpy.types.ViewLayer]) -> list[_Box]:
-    """The painted objects; while nothing is painted, every mesh; in an empty scene, the origin."""
-    meshes = [thing for layer in layers for thing in _rendered(layer) if thing.type == "MESH"]
-    painted = [thing for thing in meshes if any(map(_is_paint, thing.material_slots))]
-    boxes = []
-    for thing in painted or meshes:
-        corners = [Vector(corner) for corner in thing.bound_box]
-        low, high = (Vector(map(f, zip(*corners, strict=True))) for f in (min, max))
-        boxes.append(_Box(thing.matrix_world, low, high))
-    return boxes or [_Box(Matrix(), Vector(), Vector())]
+    """The painted objects and instances; without any, every mesh; without those, the origin."""
+    painted, meshes = [], []
+    for layer in layers:
+        for instance in layer.depsgraph.object_instances:
+            thing = instance.object
+            if thing.type == "MESH" and not thing.original.hide_render:
+                box = _box(thing, instance.matrix_world.copy())
+                meshes.append(box)
+                if any(map(_is_paint, thing.material_slots)):
+                    painted.append(box)
+    return painted or meshes or [_Box(Matrix(), Vector(), Vector())]
+
+
+def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
+    low, high = (Vector(map(end, zip(*thing.bound_box, strict=True))) for end in (min, max))
+    return _Box(matrix, low, high)
 
 
 def _is_paint(slot: bpy.types.MaterialSlot) -> bool:
@@ -299,7 +307,8 @@ def _irradiances(
 
 
 def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
-    strength = light.energy * max(light.color) * 2 ** light.exposure
+    """Without shadows; as if the light's power were normalized, and its colour its strongest."""
+    strength = light.energy * max(light.color) * 2**light.exposure
     if light.type == "SUN":
         return strength
     position = matrix.translation

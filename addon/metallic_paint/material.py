@@ -9,8 +9,18 @@ from dataclasses import dataclass
 import bpy
 
 from . import lights, shader
-from .paint import BINDER, FLAKES, INT_MAX, INT_MIN, PANELS, PARAMETERS, SPARKLE, SUBSTRATE
-from .paint import Paint, shader_value
+from .paint import (
+    BINDER,
+    FLAKES,
+    INT_MAX,
+    INT_MIN,
+    PANELS,
+    PARAMETERS,
+    SPARKLE,
+    SUBSTRATE,
+    Paint,
+    shader_value,
+)
 
 NAME = "Metallic Paint"
 VERSION = 1  # of the group's interface: sockets are only ever appended within a version
@@ -102,7 +112,6 @@ def assign(thing: bpy.types.Object, material: bpy.types.Material) -> None:
         raise ValueError(f"The object {thing.name!r} ({thing.type}) cannot hold a material.")
     materials.clear()
     materials.append(material)
-    thing.material_slots[0].link = "DATA"
 
 
 def set_up_cycles(scene: bpy.types.Scene) -> None:
@@ -223,7 +232,8 @@ def _add_normal(group: bpy.types.ShaderNodeTree) -> None:
     """An unconnected Normal is the shading normal.
 
     Cycles gives a script parameter that is initialised with N no value from an unlinked socket,
-    neither directly nor through groups, whatever the socket's hidden value is.
+    neither directly nor through groups, whatever the socket's hidden value is. (Blender 5.2 treats
+    a link from a constant likewise: a normal has to vary, as every bump or normal map does.)
     """
     socket = group.interface.new_socket(
         NORMAL, in_out="INPUT", socket_type="NodeSocketVector",

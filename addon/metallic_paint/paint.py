@@ -49,6 +49,7 @@ def _field(default: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
 class Paint:
     """A metallic paint. Colours are linear RGB; every field is checked on construction."""
 
+    # fmt: off
     flakes_per_mm2: float = _field(
         3000.0, "FlakesPerMm2", "Flakes per mm²", FLAKES, 0, 1e9,
         "Flakes in the whole depth of the layer under one square millimetre of surface",
@@ -127,6 +128,7 @@ class Paint:
         0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
         "Roughness of the surface of the binder, which makes the highlight", subtype="FACTOR",
     )
+    # fmt: on
 
     def __post_init__(self) -> None:
         for name, parameter in PARAMETERS.items():
@@ -136,10 +138,12 @@ class Paint:
                 f"tilt is {self.tilt} and must lie in 1e-06..1, being the roughness alpha of "
                 f"orientation {self.orientation!r}."
             )
-        _check_energy("flake_color", self.flake_color, "flake_transmission",
-                      self.flake_transmission)
-        _check_energy("flake_edge_color", self.flake_edge_color, "flake_transmission",
-                      self.flake_transmission)
+        _check_energy(
+            "flake_color", self.flake_color, "flake_transmission", self.flake_transmission
+        )
+        _check_energy(
+            "flake_edge_color", self.flake_edge_color, "flake_transmission", self.flake_transmission
+        )
 
     @property
     def flake_coverage(self) -> float:

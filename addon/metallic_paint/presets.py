@@ -71,11 +71,13 @@ def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> N
 
 def _text(content: dict[str, Any]) -> str:
     """One line for each field, colours included, so that presets compare line by line."""
-    lines = [f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in
-             content["paint"].items()]
+    lines = [
+        f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in content["paint"].items()
+    ]
     head = "".join(
         f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)},\n"
-        for key, value in content.items() if key != "paint"
+        for key, value in content.items()
+        if key != "paint"
     )
     return "{\n" + head + '  "paint": {\n' + ",\n".join(lines) + "\n  }\n}\n"
 

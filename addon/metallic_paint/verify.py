@@ -12,6 +12,7 @@ Every array here is (height, width, ...) with row 0 at the bottom, as the shader
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -26,7 +27,7 @@ COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTE
 IRRADIANCE, SPARKLES, CONE = 10, 11, 12
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
-LEAST_WEIGHT = 2e-5
+LEAST_WEIGHT = 1.1e-5
 
 # Error that float rounding may leave in <N> (relative) and in the uniform deviate.
 MEAN_ROUNDING = 1e-5
@@ -64,23 +65,39 @@ class Comparison:
     by_chance: int  # pixels so dim that Cycles would drop them: kept by roulette, not compared
 
 
+def make_noiseless(scene: bpy.types.Scene) -> None:
+    """One sample at the centre of each pixel, lit straight from the lamps, written as it is."""
+    cycles = scene.cycles
+    cycles.samples, cycles.seed = 1, 0
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.max_bounces = 0
+    cycles.pixel_filter_type = "BOX"
+    scene.render.film_transparent = True
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.image_settings.exr_codec = "NONE"
+
+
+def render(scene: bpy.types.Scene) -> np.ndarray:
+    """(h, w, 3) float32, linear."""
+    import OpenImageIO as oiio
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "probe.exr"
+        scene.render.filepath = str(path)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
+    return np.ascontiguousarray(pixels[::-1, :, :3])
+
+
 class Probe:
-    """Renders a scene's paint, one value at a time, with one noiseless sample per pixel."""
+    """Renders a scene's paint, one value at a time, without noise."""
 
     def __init__(self, scene: bpy.types.Scene, materials: list[bpy.types.Material]) -> None:
         self.scene = scene
         self.nodes = [material.paint_node(m) for m in materials]
-        cycles = scene.cycles
-        cycles.samples, cycles.seed = 1, 0
-        cycles.use_adaptive_sampling = cycles.use_denoising = False
-        cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-        cycles.max_bounces = 0  # light straight from the lamps
-        cycles.pixel_filter_type = "BOX"
-        scene.render.film_transparent = True
-        scene.render.use_persistent_data = False
-        scene.render.image_settings.file_format = "OPEN_EXR"
-        scene.render.image_settings.color_depth = "32"
-        scene.render.image_settings.exr_codec = "NONE"
+        make_noiseless(scene)
 
     def set(self, socket: str, value: object) -> None:
         for node in self.nodes:
@@ -88,17 +105,12 @@ class Probe:
 
     def image(self, diagnostic: int, light: int = 0) -> np.ndarray:
         """(h, w, 3) float32: the diagnostic of the light slot (0-based)."""
-        import OpenImageIO as oiio
-
         self.set("Diagnostic", diagnostic)
         self.set("Diagnostic Light", light + 1)
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "probe.exr"
-            self.scene.render.filepath = str(path)
-            bpy.ops.render.render(write_still=True, scene=self.scene.name)
-            pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
-        self.set("Diagnostic", 0)
-        return np.ascontiguousarray(pixels[::-1, :, :3])
+        try:
+            return render(self.scene)
+        finally:
+            self.set("Diagnostic", 0)
 
     def geometry(self) -> Geometry:
         view = self.image(VIEW)
@@ -113,13 +125,13 @@ class Probe:
             raster=self.image(RASTER)[..., :2],
         )
 
-    def lit_by(self, lamp: str, diagnostic: int, light: int) -> np.ndarray:
-        """The picture with one lamp alone, every light slot as it was."""
-        lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
-        hidden = {o: o.hide_render for o in lamps}
+    def lit_by(self, lamps: Iterable[str], diagnostic: int, light: int = 0) -> np.ndarray:
+        """The picture with these lamps alone, every light slot as it was."""
+        all_lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
+        hidden = {o: o.hide_render for o in all_lamps}
         try:
-            for o in lamps:
-                o.hide_render = o.name != lamp
+            for o in all_lamps:
+                o.hide_render = o.name not in lamps
             return self.image(diagnostic, light)
         finally:
             for o, was in hidden.items():

@@ -129,7 +129,7 @@ def test_cycles_does_not_scale_the_radius_of_a_lamp(place: Place, tmp_path: Path
     """Why the slot has the radius of the data, whatever the object's scale."""
     camera_above(64)
     bpy.context.scene.cycles.samples = 4
-    lamp = place("POINT", "Lamp", shadow_soft_size=0.2, energy=10)
+    lamp = place("POINT", "Lamp", shadow_soft_size=0.2, energy=10, visible_camera=True)
     pixels = []
     for scale in ((1, 1, 1), (2, 2, 2), (2, 1, 0.5)):
         lamp.scale = scale
@@ -200,7 +200,7 @@ def test_a_light_that_moves_is_followed(place: Place, painted: object) -> None:
     fill()
     lamp.location = (4, 5, 6)
     lamp.data.shadow_soft_size = 0.75
-    assert slot(1) == (lights.POSITIONED, (4, 5, 6), 0.75)
+    assert slot(1) == (lights.POSITIONED, (4, 5, 6), pytest.approx(0.75))
 
 
 def test_a_constrained_light_is_followed(place: Place, painted: object) -> None:
@@ -365,6 +365,23 @@ def test_only_paint_counts_when_lights_compete(place: Place, painted: object) ->
     assert "Lamp" in fill().slots
 
 
+def test_an_instance_of_a_painted_object_counts_too(place: Place, painted: object) -> None:
+    collection = bpy.data.collections.new("Cars")
+    collection.objects.link(painted)
+    bpy.context.scene.collection.objects.unlink(painted)
+    paint_quad("Plain").data.materials.clear()
+    car = bpy.data.objects.new("Car", None)
+    car.instance_type, car.instance_collection, car.location.x = "COLLECTION", collection, 100
+    bpy.context.scene.collection.objects.link(car)
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    place("POINT", "At the car", location=(100, 0, 1), energy=100)
+    place("POINT", "Elsewhere", location=(0, 0, 1), energy=200)
+    report = fill()
+    assert "At the car" in report.slots
+    assert "Elsewhere" in report.left_out
+
+
 # --- again and again --------------------------------------------------------------------------
 
 
@@ -385,15 +402,13 @@ def test_filling_again_leaves_nothing_of_before(place: Place, painted: object) -
     assert not drivers()
 
 
-def test_a_light_that_becomes_another_kind_is_filled_anew(
-    place: Place, painted: object
-) -> None:
+def test_a_light_that_becomes_another_kind_is_filled_anew(place: Place, painted: object) -> None:
     lamp = place("SUN", "Lamp", location=(1, 2, 3))
     fill()
     lamp.data.type = "POINT"
     lamp.data.shadow_soft_size = 0.5
     fill()
-    assert slot(1) == (lights.POSITIONED, (1, 2, 3), 0.5)
+    assert slot(1) == (lights.POSITIONED, (1, 2, 3), pytest.approx(0.5))
     assert all(driver.is_valid for driver in drivers())
 
 
@@ -528,19 +543,39 @@ def test_a_machine_without_add_on_or_permission_to_run_scripts_follows_animated_
         sun = Matrix(bpy.data.objects["A sun"].matrix_world).col[2].xyz.normalized()
         expected[frame] = [*sun, *lamp.matrix_world.translation, lamp.data.shadow_soft_size]
     assert (Vector(expected[1][:3]) - Vector(expected[11][:3])).length > 0.5
-    file = tmp_path / "scene.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    result = subprocess.run(
-        [sys.executable, "-c", RENDER_ALONE, str(file), str(tmp_path / "frame_")],
-        capture_output=True, text=True, timeout=120, cwd=tmp_path,
-        env={"BLENDER_USER_RESOURCES": str(tmp_path), "PATH": ""},
-    )  # fmt: skip
-    assert result.returncode == 0, result.stdout + result.stderr
+    render_alone(tmp_path)
     for frame, values in expected.items():
         picture = read(tmp_path / f"frame_{frame:04}.exr")
         # The three stripes that show_slots makes.
         shown = [*picture[8, 2], *picture[8, 8], picture[8, 13, 0]]
         assert shown == pytest.approx(values, abs=1e-5), f"frame {frame}"
+
+
+def test_a_machine_without_the_add_on_renders_the_same_picture(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    camera_above(32)
+    bpy.context.scene.frame_end = 1
+    place("SUN", "Sun", rotation_euler=(0.1, 0.1, 0), energy=3)
+    place("POINT", "Lamp", location=(0.2, 0, 4), energy=500)
+    fill()
+    here = render(tmp_path / "here.exr")
+    assert here.max() > 0
+    assert here.std() > 0.01 * here.mean()
+    render_alone(tmp_path)
+    np.testing.assert_array_equal(read(tmp_path / "frame_0001.exr"), here)
+
+
+def render_alone(folder: Path) -> None:
+    """Saves the file and renders its frames in a process that has nothing but Blender."""
+    file = folder / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    result = subprocess.run(
+        [sys.executable, "-c", RENDER_ALONE, str(file), str(folder / "frame_")],
+        capture_output=True, text=True, timeout=120, cwd=folder,
+        env={"BLENDER_USER_RESOURCES": str(folder), "PATH": ""},
+    )  # fmt: skip
+    assert result.returncode == 0, result.stdout + result.stderr
 
 
 def show_slots(paint: bpy.types.Material) -> None:
@@ -549,7 +584,7 @@ def show_slots(paint: bpy.types.Material) -> None:
     text.write(
         "shader stripes(vector One = 0, vector Two = 0, float Size = 0,"
         " output closure color BSDF = 0)\n"
-        "{ point p = transform(\"NDC\", P);\n"
+        '{ point p = transform("NDC", P);\n'
         "  vector value = p[0] < 0.33 ? One : (p[0] < 0.66 ? Two : vector(Size));\n"
         "  BSDF = color(value[0], value[1], value[2]) * emission(); }"
     )

@@ -174,7 +174,7 @@ def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
 
 
 def test_an_unknown_name_is_told_the_known_ones() -> None:
-    with pytest.raises(PresetError, match="'silber' is neither a file nor a preset.*candy-red"):
+    with pytest.raises(PresetError, match=r"'silber' is neither a file nor a preset.*candy-red"):
         presets.load("silber")
 
 
@@ -246,6 +246,9 @@ def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
 
 
 def test_presets_need_no_blender() -> None:
-    code = "import sys, metallic_paint.presets as p; p.load('gold'); assert 'bpy' not in sys.modules"
+    code = (
+        "import sys, metallic_paint.presets as presets; presets.load('gold');"
+        "assert 'bpy' not in sys.modules"
+    )
     addon = Path(presets.__file__).parent.parent
     subprocess.run([sys.executable, "-c", code], cwd=addon, check=True, timeout=60)

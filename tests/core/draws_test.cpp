@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Drawn sparkles against their closed form: z-tests over random paints, lights and pixels. Level
+// 1e-3 for each test as a whole (Sidak's correction within), fixed seeds.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "scenes.h"
+#include "sparkles.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+
+constexpr double kLevel = 1e-3;
+
+// Sums over draws of a deviate, about a known centre.
+struct Moments {
+  double centre = 0, n = 0, first = 0, second = 0, third = 0, fourth = 0;
+  void add(double value) {
+    const double d = value - centre;
+    n += 1;
+    first += d;
+    second += d * d;
+    third += d * d * d;
+    fourth += d * d * d * d;
+  }
+  double mean() const { return centre + first / n; }
+  // About the known centre: unbiased.
+  double variance() const { return second / n; }
+  double fourth_moment() const { return fourth / n; }
+};
+
+struct Drawn {
+  Moments count;
+  std::array<Moments, 3> radiance;
+  double largest = 0, least = 0, at_ceiling = 0;
+};
+
+template <class T>
+Drawn draw(const TestScene& scene, const ExpectedSparkles<T>& expected, int n, int stream) {
+  Drawn drawn;
+  const Rgb<T> mean = mean_radiance(expected);
+  drawn.count.centre = static_cast<double>(expected.mean_count);
+  drawn.radiance[0].centre = static_cast<double>(mean.x);
+  drawn.radiance[1].centre = static_cast<double>(mean.y);
+  drawn.radiance[2].centre = static_cast<double>(mean.z);
+  const HashWords key = stream_key(stream, 0, 1, 0);
+  const T spread = static_cast<T>(scene.paint.flake_area_spread);
+  for (int i = 0; i < n; ++i) {
+    const Sparkles<T> s = draw_sparkles(expected, spread, key, i % 1000 - 500, i / 1000);
+    drawn.count.add(static_cast<double>(s.count));
+    drawn.radiance[0].add(static_cast<double>(s.radiance.x));
+    drawn.radiance[1].add(static_cast<double>(s.radiance.y));
+    drawn.radiance[2].add(static_cast<double>(s.radiance.z));
+    const T most = max_component(s.radiance);
+    const T least = std::min(std::min(s.radiance.x, s.radiance.y), s.radiance.z);
+    drawn.largest = std::max(drawn.largest, static_cast<double>(most / expected.ceiling));
+    drawn.least = std::min(drawn.least, static_cast<double>(least));
+    drawn.at_ceiling += most >= expected.ceiling ? 1 : 0;
+  }
+  return drawn;
+}
+
+// Fourth central moment of the count.
+double fourth_of_count(double mean, int slots) {
+  if (slots == 0) return mean + 3 * mean * mean;
+  const double v = mean * (1 - mean / slots);
+  return v * (1 + 3 * v * (1 - 2.0 / slots));
+}
+
+// Whether the closed form, which knows no ceiling, leaves the sum room below it.
+template <class T>
+bool stays_below_ceiling(const ExpectedSparkles<T>& expected) {
+  if (expected.slots == 1) return true;
+  const T mean = max_component(mean_radiance(expected));
+  const T deviation = std::sqrt(max_component(radiance_variance(expected)));
+  return mean + 12 * deviation < expected.ceiling;
+}
+
+template <class T>
+void expect_closed_form(const TestScene& scene, int stream, double threshold, Worst& worst) {
+  const auto expected = scene.expect<T>();
+  const double N = static_cast<double>(expected.mean_count);
+  const int n = 40'000;
+  const Drawn drawn = draw(scene, expected, n, stream);
+  const double root = std::sqrt(1.0 * n);
+  const auto z_test = [&](const char* name, double found, double exact, double deviation) {
+    const double z = deviation > 0 ? (found - exact) / deviation * root : 0;
+    EXPECT_LT(std::fabs(z), threshold)
+        << name << ": " << found << " for " << exact << ", z " << z << ", <N> " << N << ", slots "
+        << expected.slots << ", fill " << expected.fill << '\n'
+        << scene;
+    worst.see(std::fabs(z), name, "stream", stream);
+  };
+  const double count_variance = expected.slots > 0 ? N * (1 - N / expected.slots) : N;
+  z_test("count", drawn.count.mean(), N, std::sqrt(count_variance));
+  z_test("count variance", drawn.count.variance(), count_variance,
+         std::sqrt(fourth_of_count(N, expected.slots) - count_variance * count_variance));
+  const char* names[] = {"red", "green", "blue"};
+  const char* variances[] = {"variance of red", "variance of green", "variance of blue"};
+  const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
+  const T means[] = {mean.x, mean.y, mean.z}, second[] = {variance.x, variance.y, variance.z};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Moments& m = drawn.radiance[c];
+    const double v = static_cast<double>(second[c]);
+    z_test(names[c], m.mean(), static_cast<double>(means[c]), std::sqrt(v));
+    z_test(variances[c], m.variance(), v,
+           std::sqrt(std::max(m.fourth_moment() - m.variance() * m.variance(), 0.0)));
+  }
+  EXPECT_GE(drawn.least, 0) << scene;
+  EXPECT_LE(drawn.largest, 1) << scene;
+}
+
+TEST(Draws, CountAndRadianceHaveTheirMeanAndVariance) {
+  Random random(40);
+  Worst worst;
+  const int scenes = 96;
+  const double threshold = sidak_threshold(kLevel, scenes * 8);
+  for (int k = 0; k < scenes;) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    // All twelve combinations in turn.
+    scene.paint.depth_model = static_cast<DepthModel>(k % 2);
+    scene.paint.radiometry = static_cast<Radiometry>(k / 2 % 2);
+    scene.paint.orientation = static_cast<Orientation>(k / 4 % 3);
+    scene.paint.flake_area_spread = rounded(std::array{0.0, 0.3, 0.8, 2.0}[k / 12 % 4]);
+    aim(scene, random, 2.5);
+    scene.light_sine = rounded(random.log_uniform(1e-3, 0.2));
+    scene = rounded(scene);
+    if (k % 4 == 3) {
+      // A pixel between a thousandth of a flake and ten flakes.
+      scene.footprint = rounded(scene.layer<double>().flake_area * random.log_uniform(1e-3, 10));
+    } else {
+      set_count(scene, random.log_uniform(0.01, 1e5));
+    }
+    const auto expected = scene.expect<double>();
+    // Rarer sparkles would need more draws than the test can afford.
+    if (probability_is_cut(scene) || expected.mean_count < 0.01) continue;
+    if (!stays_below_ceiling(expected)) continue;
+    if (k % 2 == 0) {
+      expect_closed_form<double>(scene, k, threshold, worst);
+    } else {
+      expect_closed_form<float>(scene, k, threshold, worst);
+    }
+    ++k;
+  }
+  worst.expect_at_most(threshold, "largest_z");
+}
+
+TEST(Draws, EveryCountFromRareToCountlessHasItsMeanAndVariance) {
+  Random random(41);
+  Worst worst;
+  const double counts[] = {0.01, 0.03, 0.0999, 0.11, 0.5, 1, 3, 10, 15, 17, 25, 31.9, 32.1, 50,
+                           200,  1e3,  1e4,    1e5};
+  const double threshold = sidak_threshold(kLevel, 2 * 8 * static_cast<double>(std::size(counts)));
+  int stream = 1000;
+  for (double count : counts) {
+    for (int published = 0; published < 2; ++published) {
+      TestScene scene;
+      do {
+        scene.paint = random_paint(random);
+        scene.paint.radiometry = static_cast<Radiometry>(published);
+        scene.paint.flake_area_spread = rounded(random.uniform(0, 1));
+        aim(scene, random, 2.5);
+        scene.light_sine = 0.01;
+        set_count(scene, count);
+      } while (probability_is_cut(scene) || !stays_below_ceiling(scene.expect<double>()));
+      expect_closed_form<double>(scene, ++stream, threshold, worst);
+    }
+  }
+  worst.expect_at_most(threshold, "largest_z");
+}
+
+TEST(Draws, SumOfManyIsNeverNegativeNorAboveTheCeiling) {
+  Random random(42);
+  for (int k = 0; k < 300; ++k) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    scene.paint.flake_area_spread = rounded(random.log_uniform(0.1, 100));
+    scene.paint.binder_absorption_per_mm = {0, 100, 1000};
+    aim(scene, random, 4);
+    scene.light_sine = random.log_uniform(1e-3, 1);
+    set_count(scene, random.log_uniform(10, 1e4));
+    const auto check = [&](const auto& expected, const Drawn& drawn) {
+      EXPECT_GE(drawn.least, 0) << scene;
+      EXPECT_LE(drawn.largest, 1) << scene << " <N> " << expected.mean_count;
+    };
+    const auto d = scene.expect<double>();
+    check(d, draw(scene, d, 500, k));
+    const auto f = scene.expect<float>();
+    check(f, draw(scene, f, 500, k));
+  }
+}
+
+TEST(Draws, CeilingCostsLittleOfTheMeanWhereFlakesJustFit) {
+  // Two to fifteen places, flakes of 30 % spread: large ones together may exceed the mirror and are
+  // cut, which the closed form does not know. The share of the mean that this takes.
+  Worst shortfall;
+  for (double places : {1.2, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 12.0, 15.5}) {
+    for (double share : {0.003, 0.05, 0.2, 0.5}) {
+      TestScene scene;
+      scene.paint.flake_area_spread = 0.3;
+      scene.paint.flake_color = scene.paint.flake_edge_color = {0.9, 0.9, 0.9};
+      scene.paint.depth_model = DepthModel::thinned;
+      scene.paint.flakes_per_mm2 = 1e4;
+      scene.normal = {0, 0, 1};
+      scene.view = {0.5, 0, std::sqrt(0.75)};
+      scene.light = {-0.5, 0, std::sqrt(0.75)};
+      scene.light_sine = 0.02;
+      scene.footprint = 1e-10;
+      const double unit = scene.expect<double>().fill / 1e-10;
+      scene.footprint = places / unit;
+      auto expected = scene.expect<double>();
+      ASSERT_NEAR(expected.fill, places, 1e-9);
+      expected.mean_count = share * places;
+      if (share * places > std::max(1.0, std::floor(places))) continue;
+      const Drawn drawn = draw(scene, expected, 100'000, static_cast<int>(places * 10));
+      const double mean = mean_radiance(expected).x;
+      shortfall.see(1 - drawn.radiance[0].mean() / mean, "places", places, "<N>/places", share,
+                    "cut", drawn.at_ceiling);
+    }
+  }
+  // Statistical error of the share: below 1 % at <N> = 0.0036.
+  shortfall.expect_at_most(0.05, "shortfall");
+}
+
+TEST(Draws, ColoursOfOneSparkleFollowTheirOwnDepths) {
+  // A single sparkle is dimmed by e^(-x u) in each colour with one depth u.
+  Random random(43);
+  for (int k = 0; k < 2'000; ++k) {
+    ExpectedSparkles<double> expected;
+    expected.mean_count = 0.5;
+    expected.slots = 1;
+    expected.fill = 100;
+    expected.area = {1, 1};
+    expected.slant = {0, random.uniform(0.1, 2), random.uniform(2, 5)};
+    expected.mirror = {1, 1, 1};
+    expected.ceiling = 1;
+    const auto drawn = draw_sparkles(expected, 0.0, stream_key(0, 0, k, 0), 3, 4);
+    if (drawn.count == 0) continue;
+    const double u_green = -std::log(drawn.radiance.y / drawn.radiance.x) / expected.slant.y;
+    const double u_blue = -std::log(drawn.radiance.z / drawn.radiance.x) / expected.slant.z;
+    EXPECT_NEAR(u_green, u_blue, 1e-9);
+    EXPECT_GT(u_green, 0);
+    EXPECT_LT(u_green, 1);
+    EXPECT_DOUBLE_EQ(drawn.radiance.x, 0.01);
+  }
+}
+
+TEST(Draws, SamePixelGivesTheSameSparkles) {
+  Random random(44);
+  TestScene scene;
+  scene.paint = random_paint(random);
+  aim(scene, random, 2);
+  scene.light_sine = 0.05;
+  set_count(scene, 5);
+  const auto expected = scene.expect<float>();
+  const float spread = static_cast<float>(scene.paint.flake_area_spread);
+  int different = 0;
+  for (int x = 0; x < 100; ++x) {
+    const auto once = draw_sparkles(expected, spread, stream_key(0, 0, 1, 0), x, 7);
+    const auto again = draw_sparkles(expected, spread, stream_key(0, 0, 1, 0), x, 7);
+    EXPECT_EQ(once.count, again.count);
+    EXPECT_EQ(once.radiance.x, again.radiance.x);
+    const auto frame = draw_sparkles(expected, spread, stream_key(0, 0, 2, 0), x, 7);
+    different += frame.radiance.x != once.radiance.x ? 1 : 0;
+  }
+  EXPECT_GT(different, 90) << "another frame, other sparkles";
+}
+
+}  // namespace

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Random paints under random lights, all of them ordinary, and their evaluation: by the core in any
+// number type, and as the independent reference sees them.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <ostream>
+#include <string>
+
+#include "paint.h"
+#include "reference.h"
+#include "support.h"
+
+namespace core_tests {
+
+using namespace metallic_paint;
+
+// A paint, a pixel of it and a light. Every number but the directions is a float.
+struct TestScene {
+  Paint paint;
+  Vec3<double> normal, view, light;
+  double light_sine = 0;  // of the angular radius
+  double footprint = 0;
+  double beta = 0;  // roughly, for messages
+
+  template <class T>
+  Layer<T> layer() const {
+    return make_layer<T>(paint);
+  }
+  template <class T>
+  SurfacePoint<T> point() const {
+    return {{}, Vec3<T>(normal), Vec3<T>(view), static_cast<T>(footprint), 0, 0};
+  }
+  template <class T>
+  SeenLight<T> seen() const {
+    return see_light<T>({LightKind::parallel, Vec3<T>(light), static_cast<T>(light_sine)}, {});
+  }
+  template <class T>
+  ExpectedSparkles<T> expect() const {
+    return expect_sparkles(layer<T>(), point<T>(), seen<T>());
+  }
+};
+
+inline std::ostream& operator<<(std::ostream& out, const TestScene& s) {
+  const Paint& p = s.paint;
+  out.precision(9);
+  return out << "[flakes/mm2 " << p.flakes_per_mm2 << ", diameter " << p.flake_diameter_um
+             << " um, area spread " << p.flake_area_spread << ", orientation "
+             << static_cast<int>(p.orientation) << ", tilt " << p.tilt << ", flake spread "
+             << p.flake_spread << ", colour " << p.flake_color.x << ' ' << p.flake_color.y << ' '
+             << p.flake_color.z << ", transmission " << p.flake_transmission.x << ", ior "
+             << p.binder_ior << ", layer " << p.layer_thickness_um << " um, absorption "
+             << p.binder_absorption_per_mm.x << ' ' << p.binder_absorption_per_mm.y << ' '
+             << p.binder_absorption_per_mm.z << " /mm, rayleigh " << p.rayleigh_per_mm
+             << " /mm, depth model " << static_cast<int>(p.depth_model) << ", radiometry "
+             << static_cast<int>(p.radiometry) << ", cos view " << dot(s.normal, s.view)
+             << ", cos light " << dot(s.normal, s.light) << ", beta " << s.beta << ", light sine "
+             << s.light_sine << ", footprint " << s.footprint << " m2]";
+}
+
+inline double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }
+inline Rgb<double> rounded(Rgb<double> v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+
+// Rounds the directions as well, so that float and double start alike.
+inline TestScene rounded(TestScene scene) {
+  scene.normal = rounded(scene.normal);
+  scene.view = rounded(scene.view);
+  scene.light = rounded(scene.light);
+  return scene;
+}
+
+inline Paint random_paint(Random& random) {
+  const auto colour = [&](double from, double to) {
+    return Rgb<double>{random.uniform(from, to), random.uniform(from, to),
+                       random.uniform(from, to)};
+  };
+  Paint paint;
+  paint.flakes_per_mm2 = rounded(random.log_uniform(30, 30'000));
+  // Coverages D H <S> from 0.003 to 3.
+  const double coverage = random.log_uniform(0.003, 3);
+  paint.flake_diameter_um =
+      rounded(1e3 * std::sqrt(coverage / paint.flakes_per_mm2 * 4 / std::numbers::pi));
+  paint.flake_area_spread = random.below(4) == 0 ? 0 : rounded(random.uniform(0, 0.8));
+  paint.orientation = static_cast<Orientation>(random.below(3));
+  paint.tilt = rounded(random.log_uniform(0.05, 0.5));
+  paint.flake_spread = random.below(4) == 0 ? 0 : rounded(random.log_uniform(1e-3, 0.05));
+  paint.flake_color = rounded(colour(0.3, 0.9));
+  paint.flake_edge_color = rounded(colour(0.5, 1));
+  paint.flake_transmission = random.below(2) == 0 ? Rgb<double>{} : rounded(colour(0, 0.1));
+  paint.binder_ior = rounded(random.uniform(1.05, 2.2));
+  paint.layer_thickness_um = rounded(random.log_uniform(3, 100));
+  paint.binder_absorption_per_mm = random.below(2) == 0 ? Rgb<double>{} : rounded(colour(0, 30));
+  paint.rayleigh_per_mm = random.below(2) == 0 ? 0 : rounded(random.uniform(0, 1));
+  paint.depth_model = static_cast<DepthModel>(random.below(2));
+  paint.radiometry = static_cast<Radiometry>(random.below(2));
+  return paint;
+}
+
+inline Vec3<double> spherical(double theta, double phi) {
+  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+// Turns the z axis into an oblique normal, so that no coordinate is special.
+inline Vec3<double> turned(Vec3<double> v) {
+  const double a = 0.7, b = 1.1;
+  const Vec3<double> w{v.x * std::cos(a) + v.z * std::sin(a), v.y,
+                       v.z * std::cos(a) - v.x * std::sin(a)};
+  const Vec3<double> u{w.x * std::cos(b) - w.y * std::sin(b),
+                       w.x * std::sin(b) + w.y * std::cos(b), w.z};
+  return u / length(u);
+}
+
+// Aims the light by a flake of an angle that occurs: up to `tilts` times the tilt.
+inline void aim(TestScene& scene, Random& random, double tilts) {
+  const double eta = scene.paint.binder_ior;
+  for (;;) {
+    const Vec3<double> view = spherical(random.uniform(0, 1.4), random.uniform(0, 6.28));
+    const double beta = random.uniform(0, std::min(tilts * scene.paint.tilt, 1.2));
+    const Vec3<double> flake = spherical(beta, random.uniform(0, 6.28));
+    const Vec3<double> v =
+        refract_direction(view, {0, 0, 1}, view.z, eta_cos_refracted(view.z, eta), eta);
+    const Vec3<double> l = flake * (2 * dot(flake, v)) - v;
+    const Vec3<double> out{l.x * eta, l.y * eta, 0};
+    const double sine = length(out);
+    if (l.z <= 0 || sine > 0.98) continue;
+    const Vec3<double> light{out.x, out.y, std::sqrt(1 - sine * sine)};
+    scene.normal = turned({0, 0, 1});
+    scene.view = turned(view);
+    scene.light = turned(light);
+    scene.beta = beta;
+    return;
+  }
+}
+
+// A pixel that a light and a paint give about `count` sparkles.
+inline void set_count(TestScene& scene, double count) {
+  scene.footprint = 1;
+  const double per_area = scene.expect<double>().mean_count;
+  scene.footprint = rounded(count / per_area);
+}
+
+// Whether a flake may sparkle with a probability that had to be cut to 1: a light wider than the
+// flakes' tilt. The mean then falls short of the BRDF.
+inline bool probability_is_cut(TestScene scene) {
+  scene.paint.flake_area_spread = 0;
+  scene.paint.depth_model = DepthModel::attenuated;
+  scene.footprint = 1;
+  return scene.expect<double>().mean_count >= 0.999 * scene.layer<double>().areal_density;
+}
+
+inline reference::Scene reference_scene(const TestScene& s) {
+  using reference::Colour;
+  using Real = long double;
+  const auto colour = [](Rgb<double> c) { return Colour{c.x, c.y, c.z}; };
+  const auto vector = [](Vec3<double> v) { return reference::Vector{v.x, v.y, v.z}; };
+  const Paint& p = s.paint;
+  const Real diameter = static_cast<Real>(p.flake_diameter_um) * 1e-6L;
+  return {.flakes_per_m2 = static_cast<Real>(p.flakes_per_mm2) * 1e6L,
+          .flake_area = reference::kPi / 4 * diameter * diameter,
+          .area_spread = p.flake_area_spread,
+          .orientation = {static_cast<int>(p.orientation), p.tilt},
+          .flake_spread = p.flake_spread,
+          .normal_reflectance = colour(p.flake_color),
+          .grazing_reflectance = colour(p.flake_edge_color),
+          .transmittance = colour(p.flake_transmission),
+          .eta = p.binder_ior,
+          .thickness = static_cast<Real>(p.layer_thickness_um) * 1e-6L,
+          .absorption = colour(p.binder_absorption_per_mm * 1e3),
+          .rayleigh = static_cast<Real>(p.rayleigh_per_mm) * 1e3L,
+          .thinned = p.depth_model == DepthModel::thinned,
+          .published = p.radiometry == Radiometry::published,
+          .normal = vector(s.normal),
+          .view = vector(s.view),
+          .light = vector(s.light),
+          .light_radius = std::asin(static_cast<Real>(s.light_sine)),
+          .footprint = s.footprint};
+}
+
+}  // namespace core_tests

@@ -1,0 +1,496 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Counts, means and variances in closed form: against an independent evaluation, against a wider
+// type, and against each other.
+#include "sparkles.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "scenes.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+using Real = long double;
+
+// A random ordinary scene; sparkles rarer than certain.
+TestScene random_scene(Random& random, double tilts = 5) {
+  for (;;) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    aim(scene, random, tilts);
+    scene.light_sine = rounded(random.log_uniform(1e-3, 0.3));
+    set_count(scene, random.log_uniform(1e-3, 1e5));
+    if (!probability_is_cut(scene)) return scene;
+  }
+}
+
+template <class T>
+std::array<T, 3> channels(Rgb<T> c) {
+  return {c.x, c.y, c.z};
+}
+
+TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
+  Random random(20);
+  Worst count, mean, variance, brdf, depth;
+  for (int k = 0; k < 40; ++k) {
+    TestScene scene = random_scene(random);
+    const reference::Orientations known = reference::orientations(reference_scene(scene));
+    // The costly integrals belong to orientation and angles: everything else varies within.
+    for (int i = 0; i < 50; ++i) {
+      const TestScene angles = scene;
+      Paint other = random_paint(random);
+      other.orientation = angles.paint.orientation;
+      other.tilt = angles.paint.tilt;
+      other.binder_ior = angles.paint.binder_ior;
+      scene.paint = other;
+      scene.light_sine = rounded(random.log_uniform(1e-4, 0.5));
+      set_count(scene, random.log_uniform(1e-3, 1e5));
+      const ExpectedSparkles<double> found = scene.expect<double>();
+      const reference::Result exact = reference::sparkles(reference_scene(scene), known);
+      if (probability_is_cut(scene)) continue;
+      count.see(relative_error(found.mean_count, exact.count), scene);
+      const auto found_mean = channels(mean_radiance(found));
+      const auto found_variance = channels(radiance_variance(found));
+      const auto found_brdf = channels(
+          flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light));
+      for (std::size_t c = 0; c < 3; ++c) {
+        mean.see(relative_error(found_mean[c], exact.mean[c]), scene);
+        Real exact_variance = exact.second[c];
+        if (found.slots > 0) exact_variance -= exact.mean[c] * exact.mean[c] / found.slots;
+        variance.see(relative_error(found_variance[c], exact_variance), scene);
+        brdf.see(relative_error(found_brdf[c], exact.brdf[c]), scene);
+      }
+      if (scene.paint.depth_model == DepthModel::attenuated) {
+        depth.see(relative_error(found.slant.x, exact.depth[0]), scene);
+      }
+    }
+  }
+  count.expect_at_most(1e-12, "count");
+  mean.expect_at_most(1e-12, "mean");
+  variance.expect_at_most(1e-12, "variance");
+  brdf.expect_at_most(1e-12, "brdf");
+  depth.expect_at_most(1e-12, "optical_depth");
+}
+
+TEST(Sparkles, DoubleFollowsLongDouble) {
+  Random random(21);
+  Worst count, mean, variance, radiance, summed;
+  for (int k = 0; k < 20'000; ++k) {
+    const TestScene scene = random_scene(random);
+    const ExpectedSparkles<double> d = scene.expect<double>();
+    const ExpectedSparkles<Real> l = scene.expect<Real>();
+    count.see(relative_error(d.mean_count, l.mean_count), scene);
+    if (d.slots != l.slots) continue;  // <N> or the places within rounding of a rule's threshold
+    const auto d_mean = channels(mean_radiance(d)), d_variance = channels(radiance_variance(d));
+    const auto l_mean = channels(mean_radiance(l)), l_variance = channels(radiance_variance(l));
+    for (std::size_t c = 0; c < 3; ++c) {
+      mean.see(relative_error(d_mean[c], l_mean[c]), scene);
+      variance.see(relative_error(d_variance[c], l_variance[c]), scene);
+    }
+    const HashWords key = stream_key(0, 0, k, 1);
+    const auto drawn = draw_sparkles(d, scene.layer<double>().area_spread, key, k, -k);
+    const auto exact = draw_sparkles(l, scene.layer<Real>().area_spread, key, k, -k);
+    if (drawn.count != exact.count) continue;
+    // A sum drawn whole has the root of its variance, which rounding leaves where it should be 0.
+    (drawn.count <= kDrawnSparkles ? radiance : summed)
+        .see(relative_error(drawn.radiance.y, exact.radiance.y), scene);
+  }
+  count.expect_at_most(1e-12, "count");
+  mean.expect_at_most(1e-12, "mean");
+  variance.expect_at_most(1e-12, "variance");
+  radiance.expect_at_most(1e-12, "radiance");
+  summed.expect_at_most(1e-8, "radiance_of_many");
+}
+
+TEST(Sparkles, FloatFollowsDouble) {
+  Random random(22);
+  Worst count, mean, variance, radiance;
+  int draws = 0, same = 0;
+  for (int k = 0; k < 100'000; ++k) {
+    const TestScene scene = rounded(random_scene(random, 3));
+    const ExpectedSparkles<float> f = scene.expect<float>();
+    const ExpectedSparkles<double> d = scene.expect<double>();
+    // A flake's angle is known to the rounding of directions: e^(-beta^2/2 tilt^2) per tilt.
+    count.see(relative_error(f.mean_count, d.mean_count) * scene.paint.tilt, scene);
+    if (f.slots != d.slots) continue;
+    mean.see(relative_error(mean_radiance(f).y, mean_radiance(d).y) * scene.paint.tilt, scene);
+    variance.see(
+        relative_error(radiance_variance(f).y, radiance_variance(d).y) * scene.paint.tilt, scene);
+    const HashWords key = stream_key(0, 0, k, 1);
+    const auto narrow = draw_sparkles(f, scene.layer<float>().area_spread, key, k, -k);
+    const auto wide = draw_sparkles(d, scene.layer<double>().area_spread, key, k, -k);
+    ++draws;
+    if (static_cast<double>(narrow.count) != wide.count) continue;
+    ++same;
+    if (wide.radiance.y > 1e-3 * static_cast<double>(d.ceiling)) {
+      radiance.see(relative_error(narrow.radiance.y, wide.radiance.y), scene);
+    }
+  }
+  count.expect_at_most(1e-5, "count_times_tilt");
+  mean.expect_at_most(1e-5, "mean_times_tilt");
+  variance.expect_at_most(1e-5, "variance_times_tilt");
+  radiance.expect_at_most(5e-4, "radiance");
+  ::testing::Test::RecordProperty("same_count", std::to_string(same) + " of " +
+                                                    std::to_string(draws));
+}
+
+TEST(Sparkles, MeanRadianceEqualsFlakeBrdf) {
+  // E[T] = cos(theta') f, in both radiometries: far sparkles merge into the mean.
+  Random random(23);
+  Worst worst;
+  for (int k = 0; k < 20'000; ++k) {
+    const TestScene scene = random_scene(random);
+    const Rgb<double> brdf =
+        flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light);
+    const Rgb<double> merged = brdf * dot(scene.normal, scene.light);
+    const auto mean = channels(mean_radiance(scene.expect<double>()));
+    const auto expected = channels(merged);
+    for (std::size_t c = 0; c < 3; ++c) worst.see(relative_error(mean[c], expected[c]), scene);
+  }
+  worst.expect_at_most(1e-12);
+}
+
+TEST(Sparkles, MeanRadianceDoesNotDependOnPixelOrLightSize) {
+  Random random(24);
+  Worst worst;
+  for (int k = 0; k < 500; ++k) {
+    TestScene scene = random_scene(random);
+    const double mean = mean_radiance(scene.expect<double>()).y;
+    const double smaller_light = scene.light_sine / 3;
+    for (double factor : {1e-6, 0.01, 0.3, 7.0, 1e5}) {
+      TestScene other = scene;
+      other.footprint = scene.footprint * factor;
+      worst.see(relative_error(mean_radiance(other.expect<double>()).y, mean), scene);
+      other.light_sine = smaller_light;
+      worst.see(relative_error(mean_radiance(other.expect<double>()).y, mean), scene);
+    }
+  }
+  worst.expect_at_most(1e-12);
+}
+
+TEST(Sparkles, FlakeBrdfIsReciprocal) {
+  Random random(25);
+  Worst exact;
+  double published = 0;
+  for (int k = 0; k < 5'000; ++k) {
+    TestScene scene = random_scene(random);
+    scene.paint.radiometry = Radiometry::exact;
+    auto layer = scene.layer<double>();
+    const auto there = channels(flake_brdf(layer, scene.normal, scene.view, scene.light));
+    const auto back = channels(flake_brdf(layer, scene.normal, scene.light, scene.view));
+    for (std::size_t c = 0; c < 3; ++c) exact.see(relative_error(back[c], there[c]), scene);
+    layer.radiometry = Radiometry::published;
+    published = std::max(
+        published, std::fabs(flake_brdf(layer, scene.normal, scene.view, scene.light).x /
+                                 flake_brdf(layer, scene.normal, scene.light, scene.view).x -
+                             1));
+  }
+  exact.expect_at_most(1e-12);
+  EXPECT_GT(published, 0.1) << "the published formula is not reciprocal";
+}
+
+TEST(Sparkles, PublishedRadianceIsExactTimesInnerOverOuterCosine) {
+  Random random(26);
+  Worst mean;
+  for (int k = 0; k < 5'000; ++k) {
+    TestScene scene = random_scene(random);
+    scene.paint.radiometry = Radiometry::exact;
+    const double exact = mean_radiance(scene.expect<double>()).z;
+    scene.paint.radiometry = Radiometry::published;
+    const double published = mean_radiance(scene.expect<double>()).z;
+    const Real theta = reference::angle(reference_scene(scene).normal, reference_scene(scene).view);
+    const Real ratio = std::cos(reference::refracted_angle(theta, scene.paint.binder_ior)) /
+                       std::cos(theta);
+    mean.see(relative_error(published / exact, ratio), scene);
+  }
+  mean.expect_at_most(1e-12);
+}
+
+TEST(Sparkles, PublishedCountUsesTheFlatSolidAngle) {
+  // pi Delta_a^2 in place of 4 pi sin^2(Delta_a/2).
+  Random random(27);
+  Worst worst;
+  for (int k = 0; k < 2'000; ++k) {
+    TestScene scene = random_scene(random);
+    scene.paint.flake_spread = 0;
+    scene.paint.flake_area_spread = 0;
+    scene.footprint = 1;  // far: no pixel smaller than its flakes
+    scene.paint.radiometry = Radiometry::published;
+    if (probability_is_cut(scene)) continue;
+    scene.paint.radiometry = Radiometry::exact;
+    const double exact = scene.expect<double>().mean_count;
+    scene.paint.radiometry = Radiometry::published;
+    const Real radius = std::asin(static_cast<Real>(scene.light_sine));
+    const Real chord = 2 * std::sin(radius / 2);
+    worst.see(relative_error(scene.expect<double>().mean_count / exact,
+                             radius * radius / (chord * chord)),
+              scene);
+  }
+  worst.expect_at_most(1e-12);
+}
+
+TEST(Sparkles, DepthModelsShareTheirMeanAndDifferInVariance) {
+  Random random(28);
+  Worst mean;
+  int wider = 0, scenes = 0;
+  for (int k = 0; k < 5'000; ++k) {
+    TestScene scene = random_scene(random);
+    scene.footprint *= 1e4;  // Poisson in both
+    scene.paint.depth_model = DepthModel::attenuated;
+    const auto attenuated = scene.expect<double>();
+    scene.paint.depth_model = DepthModel::thinned;
+    const auto thinned = scene.expect<double>();
+    const auto a = channels(mean_radiance(attenuated)), t = channels(mean_radiance(thinned));
+    for (std::size_t c = 0; c < 3; ++c) mean.see(relative_error(t[c], a[c]), scene);
+    EXPECT_LE(thinned.mean_count, attenuated.mean_count) << scene;
+    ++scenes;
+    wider += radiance_variance(thinned).y > radiance_variance(attenuated).y ? 1 : 0;
+  }
+  mean.expect_at_most(1e-12, "mean");
+  // Fewer, undimmed sparkles fluctuate more: (1 - e^-x)^2/x^2 < (1 - e^-2x)/2x.
+  EXPECT_GT(wider, scenes * 9 / 10);
+}
+
+TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
+  // delta T/T = sqrt((1 + sigma^2) m/<N>) for spreads that keep the normal deviate's moments.
+  Random random(29);
+  Worst worst;
+  for (int k = 0; k < 2'000; ++k) {
+    TestScene scene = random_scene(random);
+    scene.paint.flake_area_spread = rounded(random.uniform(0, 0.1));
+    scene.footprint *= 1e7;
+    const auto expected = scene.expect<double>();
+    const double mean = mean_radiance(expected).x;
+    const Real x = expected.slant.x;
+    const Real a1 = reference::averaged(x), m = reference::averaged(2 * x) / (a1 * a1);
+    const Real s = scene.paint.flake_area_spread;
+    worst.see(relative_error(radiance_variance(expected).x / (mean * mean),
+                             (1 + s * s) * m / expected.mean_count),
+              scene);
+  }
+  worst.expect_at_most(1e-12);
+}
+
+TEST(Sparkles, ProjectionTableStandsInForTheExactProjection) {
+  Random random(30);
+  Worst worst;
+  for (int k = 0; k < 200; ++k) {
+    const TestScene scene = random_scene(random);
+    auto layer = scene.layer<double>();
+    const Rgb<double> exact = mean_radiance(scene.expect<double>());
+    const ProjectionTable<double> table(layer.orientation, layer.coating, kProjectionIntervals);
+    layer.table = &table;
+    const auto tabulated =
+        mean_radiance(expect_sparkles(layer, scene.point<double>(), scene.seen<double>()));
+    worst.see(relative_error(tabulated.y, exact.y), scene);
+  }
+  worst.expect_at_most(1e-4);
+}
+
+TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {
+  Random random(31);
+  TestScene scene = random_scene(random);
+  scene.paint.depth_model = DepthModel::attenuated;
+  const Rgb<double> slant{0.5, 1, 2};
+  const auto expected = expect_sparkles(scene.layer<double>(), scene.point<double>(),
+                                        scene.seen<double>(), &slant);
+  EXPECT_EQ(expected.slant.x, 0.5);
+  EXPECT_EQ(expected.slant.z, 2);
+}
+
+// A flat paint seen from 30 degrees with the light in the mirror direction: nothing else special.
+TestScene plain_scene() {
+  TestScene scene;
+  scene.normal = {0, 0, 1};
+  scene.view = {0.5, 0, std::sqrt(0.75)};
+  scene.light = {-0.5, 0, std::sqrt(0.75)};
+  scene.light_sine = 0.01;
+  scene.footprint = 1e-6;
+  return scene;
+}
+
+TEST(Sparkles, PublishedRuleIsBernoulliBelowATenth) {
+  TestScene scene = plain_scene();
+  scene.paint.radiometry = Radiometry::published;
+  for (double count : {1e-6, 0.01, 0.0999}) {
+    // Many small flakes: the pixel holds far more than sixteen.
+    scene.paint.flake_diameter_um = 0.1;
+    set_count(scene, count);
+    EXPECT_EQ(scene.expect<double>().slots, 1) << "count " << count;
+    TestScene exact = scene;
+    exact.paint.radiometry = Radiometry::exact;
+    EXPECT_EQ(exact.expect<double>().slots, 0) << "count " << count;
+  }
+  for (double count : {0.1001, 1.0, 1e4}) {
+    set_count(scene, count);
+    EXPECT_EQ(scene.expect<double>().slots, 0) << "count " << count;
+  }
+}
+
+TEST(Sparkles, BernoulliKeepsTheMeanAndNarrowsTheVariance) {
+  TestScene scene = plain_scene();
+  scene.paint.flake_diameter_um = 0.1;
+  scene.paint.radiometry = Radiometry::published;
+  set_count(scene, 0.09);
+  auto bernoulli = scene.expect<double>();
+  auto poisson = bernoulli;
+  poisson.slots = 0;
+  EXPECT_EQ(mean_radiance(bernoulli).x, mean_radiance(poisson).x);
+  const double mean = mean_radiance(poisson).x;
+  EXPECT_NEAR(radiance_variance(poisson).x - radiance_variance(bernoulli).x, mean * mean,
+              1e-12 * mean * mean);
+}
+
+TEST(Sparkles, PixelSmallerThanAFlakeHasOnePlace) {
+  // <N> is then the probability that the pixel lies on a sparkling flake, T the mirror's.
+  TestScene scene = plain_scene();
+  scene.paint.flake_area_spread = 0;
+  scene.paint.depth_model = DepthModel::thinned;
+  const auto layer = scene.layer<double>();
+  scene.footprint = layer.flake_area * 1e-6;
+  const auto tiny = scene.expect<double>();
+  scene.footprint = layer.flake_area * 1e-9;
+  const auto tinier = scene.expect<double>();
+  EXPECT_EQ(tiny.slots, 1);
+  EXPECT_LE(relative_error(tinier.mean_count, tiny.mean_count), 1e-12);
+  EXPECT_LT(tiny.mean_count, 1);
+  EXPECT_DOUBLE_EQ(mean_sparkle(tiny).y, 1) << "a sparkle fills the pixel";
+  EXPECT_LE(relative_error(mean_radiance(tinier).y, mean_radiance(tiny).y), 1e-12);
+}
+
+TEST(Sparkles, CountPassesSmoothlyIntoTheProbabilityOfCoveringAFlake) {
+  // Along the footprint the count never falls and the mean radiance stands.
+  TestScene scene = plain_scene();
+  scene.paint.flake_area_spread = 0.4;
+  double previous = 0;
+  for (double footprint = 1e-16; footprint < 1e-4; footprint *= 1.05) {
+    scene.footprint = footprint;
+    const double count = scene.expect<double>().mean_count;
+    EXPECT_GE(count, previous * (1 - 1e-14)) << "footprint " << footprint;
+    if (footprint > 1e-16) {
+      EXPECT_LE(count, previous * 1.06) << "footprint " << footprint;
+    }
+    previous = count;
+  }
+}
+
+TEST(Sparkles, PlacesAreAsManyAsFlakesFitBelowSixteen) {
+  TestScene scene = plain_scene();
+  scene.paint.flake_area_spread = 0;
+  const auto layer = scene.layer<double>();
+  scene.footprint = layer.flake_area;
+  const double unit = scene.expect<double>().fill;
+  for (const auto& [fill, slots] : {std::pair{0.3, 1}, std::pair{1.5, 1}, std::pair{2.5, 2},
+                                    std::pair{15.5, 15}, std::pair{16.5, 0}, std::pair{1e5, 0}}) {
+    scene.footprint = layer.flake_area * fill / unit;
+    EXPECT_EQ(scene.expect<double>().slots, slots) << "fill " << fill;
+  }
+}
+
+template <class T>
+void expect_nothing(const TestScene& scene) {
+  const auto expected = scene.expect<T>();
+  EXPECT_EQ(expected.mean_count, 0) << scene;
+  EXPECT_EQ(mean_radiance(expected).x, 0) << scene;
+  EXPECT_EQ(radiance_variance(expected).x, 0) << scene;
+  const auto drawn = draw_sparkles(expected, T(0.3), stream_key(0, 0, 0, 0), 1, 2);
+  EXPECT_EQ(drawn.count, 0) << scene;
+  EXPECT_EQ(drawn.radiance.y, 0) << scene;
+}
+
+TEST(Sparkles, LightOrObserverBelowTheHorizonGivesNothing) {
+  for (double height : {-1.0, -1e-9, -0.0, 0.0}) {
+    TestScene scene = plain_scene();
+    scene.light = {std::sqrt(1 - height * height), 0, height};
+    expect_nothing<double>(scene);
+    expect_nothing<float>(scene);
+    std::swap(scene.view, scene.light);
+    expect_nothing<double>(scene);
+    expect_nothing<float>(scene);
+    const auto brdf = flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light);
+    EXPECT_EQ(brdf.x, 0);
+  }
+}
+
+TEST(Sparkles, NoPixelNoFlakesNoLightGiveNothing) {
+  TestScene scene = plain_scene();
+  scene.footprint = 0;
+  expect_nothing<double>(scene);
+  scene.footprint = std::nan("");
+  expect_nothing<double>(scene);
+  scene = plain_scene();
+  scene.paint.flakes_per_mm2 = 0;
+  expect_nothing<double>(scene);
+  expect_nothing<float>(scene);
+  scene = plain_scene();
+  const SeenLight<double> unseen{};
+  EXPECT_EQ(expect_sparkles(scene.layer<double>(), scene.point<double>(), unseen).mean_count, 0);
+}
+
+TEST(Sparkles, TotallyReflectedLightGivesNothing) {
+  TestScene scene = plain_scene();
+  scene.paint.binder_ior = 0.45;  // beyond the critical angle at 30 degrees
+  expect_nothing<double>(scene);
+  expect_nothing<float>(scene);
+}
+
+TEST(Sparkles, LightOfZeroSizeSparklesByTheFlakesOwnSpread) {
+  TestScene scene = plain_scene();
+  scene.light_sine = 0;
+  scene.paint.flake_spread = 0.005;
+  const auto expected = scene.expect<double>();
+  EXPECT_GT(expected.mean_count, 0);
+  EXPECT_TRUE(std::isfinite(expected.ceiling));
+  const Rgb<double> brdf =
+      flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light);
+  EXPECT_LE(relative_error(mean_radiance(expected).x, brdf.x * scene.light.z), 1e-12);
+  // Perfect mirrors never meet it.
+  scene.paint.flake_spread = 0;
+  expect_nothing<double>(scene);
+  expect_nothing<float>(scene);
+}
+
+TEST(Sparkles, FlakesOwnSpreadAddsToTheSolidAngleInTheBinder) {
+  // Delta_eff^2 = Delta^2 + epsilon^2.
+  TestScene scene = plain_scene();
+  scene.paint.flake_spread = 0;
+  const double light_only = scene.expect<double>().mean_count;
+  scene.paint.flake_spread = 0.02;
+  const double both = scene.expect<double>().mean_count;
+  scene.light_sine = 0;
+  const double spread_only = scene.expect<double>().mean_count;
+  EXPECT_LE(relative_error(both, light_only + spread_only), 1e-14);
+}
+
+TEST(Sparkles, ProbabilityOfASparkleIsAtMostOne) {
+  TestScene scene = plain_scene();
+  scene.paint.tilt = 1e-4;
+  scene.paint.flake_area_spread = 0;
+  scene.light = {-0.5, 0, std::sqrt(0.75)};
+  scene.light_sine = 0.5;
+  const auto expected = scene.expect<double>();
+  EXPECT_LE(expected.mean_count, scene.layer<double>().areal_density * scene.footprint);
+  EXPECT_GT(expected.mean_count, 0);
+}
+
+TEST(Sparkles, EqualIndicesLeaveTheDirectionsAlone) {
+  TestScene scene = plain_scene();
+  scene.paint.binder_ior = 1;
+  scene.paint.flake_area_spread = 0;
+  const auto expected = scene.expect<double>();
+  const auto layer = scene.layer<double>();
+  const double outside = 4 * std::numbers::pi * scene.seen<double>().sin2_half_radius;
+  const double cosine = std::sqrt(0.75);  // alpha = theta, beta = 0
+  const double density = orientation_density(layer.orientation, 0.0);
+  EXPECT_LE(relative_error(expected.mean_count,
+                           layer.areal_density * scene.footprint * density *
+                               (outside + layer.flake_solid_angle) /
+                               (8 * std::numbers::pi * cosine)),
+            1e-12);
+}
+
+}  // namespace
