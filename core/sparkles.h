@@ -163,12 +163,15 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
   const T cos_exit = published ? cos_view : cos_view_in;
-  expected.fill = point.footprint * cos_exit / (layer.flake_area * cos_alpha);
+  // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
+  // areas stay inside a float.
+  const T footprint = std::clamp(point.footprint, T(1e-20), T(1e6));
+  expected.fill = footprint * cos_exit / (layer.flake_area * cos_alpha);
   expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
   T enlarged = 1;
   if (expected.area.mean < layer.area.mean) enlarged = layer.area.mean / expected.area.mean;
   // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
-  expected.mean_count = layer.areal_density * point.footprint * enlarged * probability * visible;
+  expected.mean_count = layer.areal_density * footprint * enlarged * probability * visible;
 
   const T places = expected.fill / layer.area.mean;
   if (places < T(kPoissonSlots)) {
@@ -208,6 +211,8 @@ Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
     const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
     variance = variance - mean * mean / static_cast<T>(expected.slots);
   }
+  // One place always taken has no variance, which rounding may leave below 0.
+  variance = map(variance, [](T v) { return std::max(v, T(0)); });
   return expected.mirror * expected.mirror * variance;
 }
 

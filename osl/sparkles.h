@@ -128,12 +128,13 @@ ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight li
   float cos_exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     cos_exit = cos_view;
-  expected.fill = surface.footprint * cos_exit / (layer.flake_area * cos_alpha);
+  float footprint = clamp(surface.footprint, 1e-20, 1e6);
+  expected.fill = footprint * cos_exit / (layer.flake_area * cos_alpha);
   expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
   float enlarged = 1.0;
   if (expected.area.mean < layer.area.mean)
     enlarged = layer.area.mean / expected.area.mean;
-  expected.mean_count = layer.areal_density * surface.footprint * enlarged * probability * visible;
+  expected.mean_count = layer.areal_density * footprint * enlarged * probability * visible;
 
   float places = expected.fill / layer.area.mean;
   if (places < (float)POISSON_SLOTS) {

@@ -93,12 +93,41 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
             continue
         report += judge(where, comparison, sums)
         (picture, irradiance), predicted = shown
+        faces = predicted["leader"][:, light] >= 0
+        report += check_irradiance(where, spec, scene.objects[lamp], geometry, irradiance, faces)
         core = np.zeros_like(picture)
         core[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
         title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
         write_comparison(out / f"{slug(title)}.png", picture, core)
     if len(names) > 1:
         report.append(check_joint(label, probe, names))
+    return report
+
+
+def check_irradiance(
+    where: str,
+    spec: verify_scenes.Scene,
+    lamp: bpy.types.Object,
+    geometry: verify.Geometry,
+    irradiance: np.ndarray,
+    faces: np.ndarray,
+) -> list[bars.Bar]:
+    """The lit cones of radiance 1 against the lamp's own irradiance, and that no pixel is missed."""
+    found = irradiance[geometry.hit][faces].max(axis=-1)
+    report = []
+    if spec.shape in ("plane", "sphere") and lamp.data.type != "SPOT":  # nothing shadows itself
+        share = (found > 0).mean()
+        report.append(bars.at_least(f"{where}: share of facing pixels that are lit", share, 0.99))
+    if lamp.data.type == "SUN":
+        expected = np.full(len(found), lamp.data.energy)
+    elif lamp.data.type == "POINT" and lamp.data.shadow_soft_size == 0:
+        away = geometry.position[geometry.hit][faces] - np.array(lamp.matrix_world.translation)
+        expected = lamp.data.energy / (4 * np.pi * (away**2).sum(axis=-1))
+    else:
+        return report
+    error = np.abs(found / expected - 1)[found > 0]
+    report.append(bars.at_most(f"{where}: relative error of the irradiance, 99.9 % of pixels",
+                               float(np.quantile(error, 0.999)), 1e-3))  # fmt: skip
     return report
 
 

@@ -25,6 +25,7 @@ from .paint import (
 NAME = "Metallic Paint"
 VERSION = 1  # of the group's interface: sockets are only ever appended within a version
 OUTPUT = "BSDF"
+SHOWN = "Shown"  # the shader's diagnostic, a colour
 NORMAL = "Normal"
 MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
@@ -184,6 +185,11 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
 
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
     group.links.new(script.outputs[OUTPUT], out.inputs[OUTPUT])
+    group.interface.new_socket(
+        SHOWN, in_out="OUTPUT", socket_type="NodeSocketColor",
+        description="The inner value that Diagnostic names, for tests",
+    )  # fmt: skip
+    group.links.new(script.outputs[SHOWN], out.inputs[SHOWN])
     panels = {
         name: group.interface.new_panel(
             name, description=_PANEL_DESCRIPTIONS[name], default_closed=name == DIAGNOSTICS

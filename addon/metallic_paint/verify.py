@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks a picture of the paint against the core, pixel by pixel.
 
-The shader shows its inner values in place of the paint (the Diagnostic input): where each pixel
+The shader shows its inner values beside the paint (Diagnostic and Shown): where each pixel
 looks, and what it computed there. The core repeats the computation in float from the same places
 and must find the same counts and radiances. The lit picture is checked too: where Cycles lights a
 cone of radiance 1, the picture is the light's irradiance E, and the sparkles must be T E.
@@ -11,8 +11,9 @@ Every array here is (height, width, ...) with row 0 at the bottom, as the shader
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from .paint import Paint
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
 IRRADIANCE, SPARKLES, CONE = 10, 11, 12
+LIT = (IRRADIANCE, SPARKLES)  # surfaces under the lamps; the others are values to emit
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
 LEAST_WEIGHT = 1.1e-5
@@ -96,6 +98,7 @@ class Probe:
 
     def __init__(self, scene: bpy.types.Scene, materials: list[bpy.types.Material]) -> None:
         self.scene = scene
+        self.materials = materials
         self.nodes = [material.paint_node(m) for m in materials]
         make_noiseless(scene)
 
@@ -108,7 +111,12 @@ class Probe:
         self.set("Diagnostic", diagnostic)
         self.set("Diagnostic Light", light + 1)
         try:
-            return render(self.scene)
+            if diagnostic in LIT:
+                return render(self.scene)
+            with contextlib.ExitStack() as stack:
+                for painted in self.materials:
+                    stack.enter_context(_emitting(painted))
+                return render(self.scene)
         finally:
             self.set("Diagnostic", 0)
 
@@ -136,6 +144,23 @@ class Probe:
         finally:
             for o, was in hidden.items():
                 o.hide_render = was
+
+
+@contextlib.contextmanager
+def _emitting(painted: bpy.types.Material) -> Iterator[None]:
+    """Lets the material emit what its paint shows, instead of its surface."""
+    nodes, links = painted.node_tree.nodes, painted.node_tree.links
+    surface = painted.node_tree.get_output_node("CYCLES").inputs["Surface"]
+    was = [link.from_socket for link in surface.links]
+    emission = nodes.new("ShaderNodeEmission")
+    try:
+        links.new(material.paint_node(painted).outputs[material.SHOWN], emission.inputs["Color"])
+        links.new(emission.outputs[0], surface)
+        yield
+    finally:
+        nodes.remove(emission)
+        for socket in was:
+            links.new(socket, surface)
 
 
 def core_paint(paint: Paint, **changes: object) -> object:

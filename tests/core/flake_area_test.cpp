@@ -62,10 +62,12 @@ TEST(FlakeArea, CappedMomentsMatchQuadrature) {
     for (float cap : caps) {
       const Real mean = reference::area_moment(spread, 1, cap);
       const Real square = reference::area_moment(spread, 2, cap);
-      const auto d = capped_area_moments(static_cast<double>(spread), static_cast<double>(cap), whole);
+      const auto d =
+          capped_area_moments(static_cast<double>(spread), static_cast<double>(cap), whole);
       const auto f = capped_area_moments(spread, cap, whole_f);
       for (const auto& [name, exact, found, found_f] :
-           {std::tuple{"mean", mean, d.mean, f.mean}, std::tuple{"square", square, d.square, f.square}}) {
+           {std::tuple{"mean", mean, d.mean, f.mean},
+            std::tuple{"square", square, d.square, f.square}}) {
         wide.see(relative_error(found, exact), name, "spread", spread, "cap", cap);
         narrow.see(relative_error(found_f, exact), name, "spread", spread, "cap", cap);
         if (spread > 1) continue;

@@ -36,8 +36,7 @@ double ripples(double x) { return 0.5 + 0.4 * std::sin(6 * x + 0.3); }
 // The same table in long double, read by angle: cos -> linear interpolation.
 Real lookup(const CoatingTable<double>& table, Real x) {
   const Real position = x * static_cast<Real>(table.transmittance.size() - 1);
-  const auto i =
-      std::min(static_cast<std::size_t>(position), table.transmittance.size() - 2);
+  const auto i = std::min(static_cast<std::size_t>(position), table.transmittance.size() - 2);
   const Real f = position - static_cast<Real>(i);
   return table.transmittance[i].x * (1 - f) + table.transmittance[i + 1].x * f;
 }
@@ -73,8 +72,8 @@ TEST(OpticalThickness, ReferenceAgreesWithItselfOverBothPolarAxes) {
       const reference::Flakes flakes{static_cast<int>(kind), tilt};
       const Real norm = reference::shape_norm(flakes);
       for (Real theta : {0.4L, 1.2L}) {
-        EXPECT_LE(relative_error(reference::mean_transmitted_area(
-                                     flakes, norm, theta, [](Real x) { return x; }, {}),
+        EXPECT_LE(relative_error(reference::mean_transmitted_area(flakes, norm, theta,
+                                                                  [](Real x) { return x; }, {}),
                                  reference::mean_projected_area(flakes, norm, theta, 2)),
                   1e-12)
             << "kind " << flakes.kind << " tilt " << tilt << " theta " << theta;
@@ -115,8 +114,7 @@ TEST(OpticalThickness, TransmittedAreaOfLinearCoatingMatchesQuadrature) {
       const Real norm = reference::shape_norm(flakes);
       const auto density = make_orientation<double>(kind, tilt);
       for (double cosine : {0.05, 0.3, 0.75, 1.0}) {
-        const Real exact =
-            reference::mean_projected_area(flakes, norm, std::acos(Real(cosine)), 2);
+        const Real exact = reference::mean_projected_area(flakes, norm, std::acos(Real(cosine)), 2);
         worst.see(relative_error(mean_transmitted_area(density, coating, cosine).x, exact), "kind",
                   flakes.kind, "tilt", tilt, "cos", cosine);
       }

@@ -88,7 +88,8 @@ TEST(Orientation, DensityIsTheStatedShape) {
         const Real exact = reference::shape(flakes(kind, tilt), beta) / norm;
         if (exact < 1e-290L) continue;
         // What a rounding of beta^2/tilt^2 does to the exponential.
-        const Real condition = 1 + (kind == Orientation::ggx ? 0 : std::pow(std::tan(beta) / tilt, 2));
+        const Real condition =
+            1 + (kind == Orientation::ggx ? 0 : std::pow(std::tan(beta) / tilt, 2));
         const int k = static_cast<int>(kind);
         wide.see(relative_error(orientation_density(d, static_cast<double>(y)), exact) / condition,
                  "kind", k, "tilt", tilt, "beta", beta);
@@ -221,8 +222,8 @@ TEST(Orientation, ProjectedAreaIsAShareNotBelowThatOfTheFronts) {
         const float area = mean_projected_area(density, cosine);
         EXPECT_GE(area, 0) << "kind " << static_cast<int>(kind) << " tilt " << tilt << " cos "
                            << cosine;
-        EXPECT_LE(area, 1 + 1e-6f) << "kind " << static_cast<int>(kind) << " tilt " << tilt
-                                   << " cos " << cosine;
+        EXPECT_LE(area, 1 + 1e-6f)
+            << "kind " << static_cast<int>(kind) << " tilt " << tilt << " cos " << cosine;
         // What the fronts show less what the backs do: |x| >= x.
         EXPECT_GE(area, cosine * density.mean_cos - 1e-6f)
             << "kind " << static_cast<int>(kind) << " tilt " << tilt << " cos " << cosine;

@@ -75,10 +75,9 @@ template <class T>
 Compared compare_poisson(T mean) {
   const Real lambda = mean;
   const Real reach = 10 * std::sqrt(lambda) + 30;
-  return compare(mean, 0, std::max<Real>(0, std::floor(lambda - reach)),
-                 std::ceil(lambda + reach), lambda, [&](Real n) {
-                   return std::exp(n * std::log(lambda) - lambda - std::lgamma(n + 1));
-                 });
+  return compare(
+      mean, 0, std::max<Real>(0, std::floor(lambda - reach)), std::ceil(lambda + reach), lambda,
+      [&](Real n) { return std::exp(n * std::log(lambda) - lambda - std::lgamma(n + 1)); });
 }
 
 template <class T>
@@ -94,8 +93,8 @@ Compared compare_binomial(T mean, int slots) {
 std::vector<float> small_means() {
   std::vector<float> means;
   for (double m = 1e-9; m < 32; m *= 1.3) means.push_back(static_cast<float>(m));
-  for (float m : {0.1f, 1.0f, 4.0f, 10.0f, 16.0f, 20.0f, 24.0f, 28.0f, 30.0f, 31.0f, 31.9f,
-                  31.999998f}) {
+  for (float m :
+       {0.1f, 1.0f, 4.0f, 10.0f, 16.0f, 20.0f, 24.0f, 28.0f, 30.0f, 31.0f, 31.9f, 31.999998f}) {
     means.push_back(m);
   }
   return means;
@@ -113,8 +112,8 @@ TEST(Count, IsExactlyPoissonBelowTheClosedForm) {
 
 TEST(Count, IsPoissonWithin1e4AboveIt) {
   Worst wide, narrow;
-  for (float mean : {32.0f, 32.3f, 33.0f, 35.5f, 40.0f, 50.0f, 64.0f, 100.0f, 316.0f, 1e3f, 1e4f,
-                     1e5f}) {
+  for (float mean :
+       {32.0f, 32.3f, 33.0f, 35.5f, 40.0f, 50.0f, 64.0f, 100.0f, 316.0f, 1e3f, 1e4f, 1e5f}) {
     wide.see(compare_poisson<double>(mean).total_variation, "mean", mean);
     // A float tells counts up to 1e4 apart to 1e-3.
     if (mean <= 1e4f) narrow.see(compare_poisson<float>(mean).total_variation, "mean", mean);
@@ -231,10 +230,11 @@ TEST(Count, OneSlotIsBernoulli) {
 
 template <class T>
 void expect_whole_bounded_monotone() {
-  const double means[] = {0,      1e-300, 1e-30, 1e-12,  2e-10, 1e-8, 0.01, 1,
-                          15.999, 16,     31.9,  31.999, 32,    60,   87.4, 100,
-                          1000,   1e5,    1e7,   2.2e9,  1e12,  1e14, 1e15, 1e18,
-                          1e30,   1e37,   1e38,  std::numeric_limits<double>::infinity()};
+  const double means[] = {
+      0,    1e-300, 1e-30, 1e-12, 2e-10,  1e-8,  0.01,
+      1,    15.999, 16,    31.9,  31.999, 32,    60,
+      87.4, 100,    1000,  1e5,   1e7,    2.2e9, 1e12,
+      1e14, 1e15,   1e18,  1e30,  1e37,   1e38,  std::numeric_limits<double>::infinity()};
   for (double mean_wide : means) {
     const T mean = static_cast<T>(mean_wide);
     T previous = std::numeric_limits<T>::infinity();
@@ -304,8 +304,8 @@ TEST(Count, AvoidsTheKnownFailuresOfOtherSamplers) {
   for (double mean : {1e-3, 0.5, 31.0, 1e3, 1e15}) {
     for (double end : {0x1p-49, 1 - 0x1p-49, 1.0}) {
       EXPECT_TRUE(std::isfinite(count_deviate(mean, 0, end))) << "mean " << mean << " u " << end;
-      EXPECT_TRUE(std::isfinite(
-          count_deviate(static_cast<float>(mean), 0, static_cast<float>(end))))
+      EXPECT_TRUE(
+          std::isfinite(count_deviate(static_cast<float>(mean), 0, static_cast<float>(end))))
           << "mean " << mean << " u " << end;
     }
   }

@@ -176,8 +176,7 @@ TEST(Random, NeighboursInEveryCoordinateAreUncorrelated) {
        [](At a) { return At{a.x, a.y, a.light, a.species, a.frame + 1, a.seed - 1, a.draw}; }},
   };
   const auto draw = [](At a) {
-    return uniforms(
-        draw_words(stream_key(a.light, a.species, a.frame, a.seed), a.x, a.y, a.draw));
+    return uniforms(draw_words(stream_key(a.light, a.species, a.frame, a.seed), a.x, a.y, a.draw));
   };
   constexpr int kSide = 512, kCells = 32;
   const double n = kSide * kSide;
@@ -201,7 +200,8 @@ TEST(Random, NeighboursInEveryCoordinateAreUncorrelated) {
       EXPECT_LT(std::fabs(product[k]) / std::sqrt(n), threshold) << name << ", deviate " << k;
       const double expected = n / (kCells * kCells);
       double chi_square = 0;
-      for (double found : cells[k]) chi_square += (found - expected) * (found - expected) / expected;
+      for (double found : cells[k])
+        chi_square += (found - expected) * (found - expected) / expected;
       EXPECT_LT(std::fabs(chi_square_z(chi_square, kCells * kCells - 1)), threshold)
           << name << ", deviate " << k;
     }

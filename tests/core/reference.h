@@ -142,9 +142,8 @@ inline Real shape_norm(Flakes flakes) {
                    shape_edges(flakes));
 }
 inline Real mean_cosine(Flakes flakes, Real norm) {
-  return integrate(
-             [&](Real b) { return shape(flakes, b) * std::sin(b) * std::cos(b); },
-             shape_edges(flakes)) /
+  return integrate([&](Real b) { return shape(flakes, b) * std::sin(b) * std::cos(b); },
+                   shape_edges(flakes)) /
          norm;
 }
 
@@ -236,10 +235,10 @@ struct Scene {
 };
 
 struct Result {
-  Real count;                                // <N>
-  std::array<Real, 3> mean, second, brdf;    // E[T], E[sum of T_i^2], f
-  std::array<Real, 3> depth;                 // t H
-  Real fill;                                 // mean flake areas that fill the pixel
+  Real count;                              // <N>
+  std::array<Real, 3> mean, second, brdf;  // E[T], E[sum of T_i^2], f
+  std::array<Real, 3> depth;               // t H
+  Real fill;                               // mean flake areas that fill the pixel
 };
 
 // (1 - e^-x)/x
@@ -273,9 +272,8 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
 
   // The light's cone: outside, and inside with the flake's own spread.
   const Real radius = scene.light_radius;
-  const Real outside = scene.published
-                           ? kPi * radius * radius
-                           : 4 * kPi * std::sin(radius / 2) * std::sin(radius / 2);
+  const Real outside = scene.published ? kPi * radius * radius
+                                       : 4 * kPi * std::sin(radius / 2) * std::sin(radius / 2);
   const Real squeeze =
       std::cos(theta_l) / (scene.eta * scene.eta * std::cos(theta_lp));  // d inside/d outside
   const Real inside = outside * squeeze + kPi * scene.flake_spread * scene.flake_spread;
@@ -301,8 +299,8 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
              cosine;
     };
     const auto at = static_cast<std::size_t>(i);
-    result.depth[at] = slanted(known.area_view, std::cos(theta_p)) +
-                       slanted(known.area_light, std::cos(theta_lp));
+    result.depth[at] =
+        slanted(known.area_view, std::cos(theta_p)) + slanted(known.area_light, std::cos(theta_lp));
     kept[at] = averaged(result.depth[at]);
   }
   const Real most = *std::max_element(kept.begin(), kept.end());
@@ -314,11 +312,10 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
     const Real r_p = scene.normal_reflectance[i] +
                      (scene.grazing_reflectance[i] - scene.normal_reflectance[i]) * schlick;
     // T of one sparkle of unit relative area, before the layer dims it.
-    const Real unit = passed * r_p * scene.flake_area * std::cos(alpha) /
-                      (seen_outside * scene.footprint * exit);
+    const Real unit =
+        passed * r_p * scene.flake_area * std::cos(alpha) / (seen_outside * scene.footprint * exit);
     const Real dimmed = scene.thinned ? kept[at] / most : kept[at];
-    const Real dimmed_square =
-        scene.thinned ? dimmed * dimmed : averaged(2 * result.depth[at]);
+    const Real dimmed_square = scene.thinned ? dimmed * dimmed : averaged(2 * result.depth[at]);
     result.mean[at] = result.count * unit * c1 * dimmed;
     result.second[at] = result.count * unit * unit * c2 * dimmed_square;
     result.brdf[at] = coverage * P / (2 * kPi) * r_p * kept[at] * passed /

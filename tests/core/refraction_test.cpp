@@ -137,10 +137,10 @@ TEST(Refraction, NothingPassesAtGrazingIncidence) {
   for (double cosine : {1e-3, 1e-6, 1e-9, 1e-12}) {
     for (double eta : {1.1, 1.5, 4.0}) {
       const double g = eta_cos_refracted(cosine, eta);
-      worst.see(relative_error(fresnel_transmittance(cosine, g, eta),
-                               2 * cosine * (1 + eta * eta) / g) /
-                    cosine,
-                "eta", eta, "cos", cosine);
+      worst.see(
+          relative_error(fresnel_transmittance(cosine, g, eta), 2 * cosine * (1 + eta * eta) / g) /
+              cosine,
+          "eta", eta, "cos", cosine);
       EXPECT_LE(ulps(fresnel_transmittance(cosine, g, eta), transmittance(cosine, eta)), 8);
     }
   }
@@ -187,8 +187,7 @@ TEST(Refraction, RefractedDirectionIsUnitCoplanarAndAtSnellsAngle) {
     direction.see(length(error), "eta", eta, "theta", theta, "phi", phi);
     const Vec3<float> vf(v);
     const float gf = eta_cos_refracted(vf.z, static_cast<float>(eta));
-    const Vec3<float> inf =
-        refract_direction(vf, {0, 0, 1}, vf.z, gf, static_cast<float>(eta));
+    const Vec3<float> inf = refract_direction(vf, {0, 0, 1}, vf.z, gf, static_cast<float>(eta));
     float_direction.see(length(Vec3<double>(inf) - in), "eta", eta, "theta", theta);
   }
   direction.expect_at_most(2e-15, "double");

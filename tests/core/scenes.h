@@ -107,8 +107,8 @@ inline Vec3<double> turned(Vec3<double> v) {
   const double a = 0.7, b = 1.1;
   const Vec3<double> w{v.x * std::cos(a) + v.z * std::sin(a), v.y,
                        v.z * std::cos(a) - v.x * std::sin(a)};
-  const Vec3<double> u{w.x * std::cos(b) - w.y * std::sin(b),
-                       w.x * std::sin(b) + w.y * std::cos(b), w.z};
+  const Vec3<double> u{w.x * std::cos(b) - w.y * std::sin(b), w.x * std::sin(b) + w.y * std::cos(b),
+                       w.z};
   return u / length(u);
 }
 

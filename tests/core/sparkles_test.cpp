@@ -55,8 +55,8 @@ TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
       count.see(relative_error(found.mean_count, exact.count), scene);
       const auto found_mean = channels(mean_radiance(found));
       const auto found_variance = channels(radiance_variance(found));
-      const auto found_brdf = channels(
-          flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light));
+      const auto found_brdf =
+          channels(flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light));
       for (std::size_t c = 0; c < 3; ++c) {
         mean.see(relative_error(found_mean[c], exact.mean[c]), scene);
         Real exact_variance = exact.second[c];
@@ -118,8 +118,8 @@ TEST(Sparkles, FloatFollowsDouble) {
     count.see(relative_error(f.mean_count, d.mean_count) * scene.paint.tilt, scene);
     if (f.slots != d.slots) continue;
     mean.see(relative_error(mean_radiance(f).y, mean_radiance(d).y) * scene.paint.tilt, scene);
-    variance.see(
-        relative_error(radiance_variance(f).y, radiance_variance(d).y) * scene.paint.tilt, scene);
+    variance.see(relative_error(radiance_variance(f).y, radiance_variance(d).y) * scene.paint.tilt,
+                 scene);
     const HashWords key = stream_key(0, 0, k, 1);
     const auto narrow = draw_sparkles(f, scene.layer<float>().area_spread, key, k, -k);
     const auto wide = draw_sparkles(d, scene.layer<double>().area_spread, key, k, -k);
@@ -134,8 +134,8 @@ TEST(Sparkles, FloatFollowsDouble) {
   mean.expect_at_most(1e-5, "mean_times_tilt");
   variance.expect_at_most(1e-5, "variance_times_tilt");
   radiance.expect_at_most(5e-4, "radiance");
-  ::testing::Test::RecordProperty("same_count", std::to_string(same) + " of " +
-                                                    std::to_string(draws));
+  ::testing::Test::RecordProperty("same_count",
+                                  std::to_string(same) + " of " + std::to_string(draws));
 }
 
 TEST(Sparkles, MeanRadianceEqualsFlakeBrdf) {
@@ -184,10 +184,10 @@ TEST(Sparkles, FlakeBrdfIsReciprocal) {
     const auto back = channels(flake_brdf(layer, scene.normal, scene.light, scene.view));
     for (std::size_t c = 0; c < 3; ++c) exact.see(relative_error(back[c], there[c]), scene);
     layer.radiometry = Radiometry::published;
-    published = std::max(
-        published, std::fabs(flake_brdf(layer, scene.normal, scene.view, scene.light).x /
-                                 flake_brdf(layer, scene.normal, scene.light, scene.view).x -
-                             1));
+    published = std::max(published,
+                         std::fabs(flake_brdf(layer, scene.normal, scene.view, scene.light).x /
+                                       flake_brdf(layer, scene.normal, scene.light, scene.view).x -
+                                   1));
   }
   exact.expect_at_most(1e-12);
   EXPECT_GT(published, 0.1) << "the published formula is not reciprocal";
@@ -203,8 +203,8 @@ TEST(Sparkles, PublishedRadianceIsExactTimesInnerOverOuterCosine) {
     scene.paint.radiometry = Radiometry::published;
     const double published = mean_radiance(scene.expect<double>()).z;
     const Real theta = reference::angle(reference_scene(scene).normal, reference_scene(scene).view);
-    const Real ratio = std::cos(reference::refracted_angle(theta, scene.paint.binder_ior)) /
-                       std::cos(theta);
+    const Real ratio =
+        std::cos(reference::refracted_angle(theta, scene.paint.binder_ior)) / std::cos(theta);
     mean.see(relative_error(published / exact, ratio), scene);
   }
   mean.expect_at_most(1e-12);
@@ -296,8 +296,8 @@ TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {
   TestScene scene = random_scene(random);
   scene.paint.depth_model = DepthModel::attenuated;
   const Rgb<double> slant{0.5, 1, 2};
-  const auto expected = expect_sparkles(scene.layer<double>(), scene.point<double>(),
-                                        scene.seen<double>(), &slant);
+  const auto expected =
+      expect_sparkles(scene.layer<double>(), scene.point<double>(), scene.seen<double>(), &slant);
   EXPECT_EQ(expected.slant.x, 0.5);
   EXPECT_EQ(expected.slant.z, 2);
 }
@@ -445,8 +445,7 @@ TEST(Sparkles, LightOfZeroSizeSparklesByTheFlakesOwnSpread) {
   const auto expected = scene.expect<double>();
   EXPECT_GT(expected.mean_count, 0);
   EXPECT_TRUE(std::isfinite(expected.ceiling));
-  const Rgb<double> brdf =
-      flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light);
+  const Rgb<double> brdf = flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light);
   EXPECT_LE(relative_error(mean_radiance(expected).x, brdf.x * scene.light.z), 1e-12);
   // Perfect mirrors never meet it.
   scene.paint.flake_spread = 0;
@@ -486,10 +485,9 @@ TEST(Sparkles, EqualIndicesLeaveTheDirectionsAlone) {
   const double outside = 4 * std::numbers::pi * scene.seen<double>().sin2_half_radius;
   const double cosine = std::sqrt(0.75);  // alpha = theta, beta = 0
   const double density = orientation_density(layer.orientation, 0.0);
-  EXPECT_LE(relative_error(expected.mean_count,
-                           layer.areal_density * scene.footprint * density *
-                               (outside + layer.flake_solid_angle) /
-                               (8 * std::numbers::pi * cosine)),
+  EXPECT_LE(relative_error(expected.mean_count, layer.areal_density * scene.footprint * density *
+                                                    (outside + layer.flake_solid_angle) /
+                                                    (8 * std::numbers::pi * cosine)),
             1e-12);
 }
 

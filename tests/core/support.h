@@ -71,9 +71,7 @@ class Random {
   double log_uniform(double from, double to) {
     return std::exp(uniform(std::log(from), std::log(to)));
   }
-  int below(int count) {
-    return static_cast<int>(engine_() % static_cast<std::uint64_t>(count));
-  }
+  int below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }
   std::uint64_t bits() { return engine_(); }
 
  private:
