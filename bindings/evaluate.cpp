@@ -86,5 +86,13 @@ void bind_evaluate(py::module_& module) {
   module.def("evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
              py::arg("pixel"), py::arg("coating") = py::none(), py::arg("slant_depth") = py::none(),
-             py::arg("precision") = "double");
+             py::arg("precision") = "double",
+             R"doc(The sparkles of up to 8 lights in n pixels, on all cores.
+
+position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
+for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
+in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
+number, paint.frame and paint.seed alone. coating replaces the paint's flake colours.
+slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
+"float" repeats the shader operation by operation; "double" is the reference.)doc");
 }

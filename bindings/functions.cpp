@@ -22,14 +22,21 @@ void bind_functions(py::module_& module) {
         return words;
       },
       py::arg("x"), py::arg("y"), py::kw_only(), py::arg("light") = 0, py::arg("species") = 0,
-      py::arg("frame") = 0, py::arg("seed") = 0, py::arg("draw") = 0);
+      py::arg("frame") = 0, py::arg("seed") = 0, py::arg("draw") = 0,
+      R"doc(The four random words (n, 4) of draw number `draw` at pixels (x, y), any 32-bit integers.)doc");
   module.def("count_deviate", py::vectorize(&count_deviate<double>), py::arg("mean"),
-             py::arg("slots"), py::arg("uniform"));
-  module.def("normal_quantile", py::vectorize(&normal_quantile<double>), py::arg("probability"));
-  module.def("fresnel_transmittance", py::vectorize([](double cos_theta, double eta) {
-               return fresnel_transmittance(cos_theta, eta_cos_refracted(cos_theta, eta), eta);
-             }),
-             py::arg("cos_theta"), py::arg("eta"));
+             py::arg("slots"), py::arg("uniform"),
+             R"doc(The count of sparkles for a uniform deviate in (0, 1].
+
+slots = 0: Poisson; slots = k: binomial with k places and the same mean.)doc");
+  module.def("normal_quantile", py::vectorize(&normal_quantile<double>), py::arg("probability"),
+             R"doc(The standard normal deviate at a probability in (0, 1].)doc");
+  module.def(
+      "fresnel_transmittance", py::vectorize([](double cos_theta, double eta) {
+        return fresnel_transmittance(cos_theta, eta_cos_refracted(cos_theta, eta), eta);
+      }),
+      py::arg("cos_theta"), py::arg("eta"),
+      R"doc(1 - r_eta: unpolarised transmittance at the outside cosine, 0 under total reflection.)doc");
   module.def(
       "orientation_density",
       [](const Paint& paint, const Array<double>& beta) {
@@ -40,7 +47,8 @@ void bind_functions(py::module_& module) {
           return orientation_density(density, half * half);
         })(beta);
       },
-      py::arg("paint"), py::arg("beta"));
+      py::arg("paint"), py::arg("beta"),
+      R"doc(P(beta) of the paint's flakes, beta in rad, 0 to pi/2; P sin(beta) integrates to 1.)doc");
   module.def(
       "mean_projected_area",
       [](const Paint& paint, const Array<double>& cos_theta) {
@@ -49,7 +57,8 @@ void bind_functions(py::module_& module) {
         return py::vectorize([&](double cosine) { return mean_projected_area(density, cosine); })(
             cos_theta);
       },
-      py::arg("paint"), py::arg("cos_theta"));
+      py::arg("paint"), py::arg("cos_theta"),
+      R"doc(<s>, the mean projected area of a flake of unit area along a ray of that cosine (binder).)doc");
   module.def(
       "flake_brdf",
       [](const Paint& paint, const Array<double>& normal, const Array<double>& view,
@@ -72,5 +81,6 @@ void bind_functions(py::module_& module) {
         }
         return brdf;
       },
-      py::arg("paint"), py::arg("normal"), py::arg("view"), py::arg("light"));
+      py::arg("paint"), py::arg("normal"), py::arg("view"), py::arg("light"),
+      R"doc(The mean of the sparkles as a BRDF, 1/sr: (n, 3) from unit vectors (n, 3).)doc");
 }

@@ -19,7 +19,11 @@ void bind_light(py::module_& module) {
       .value("parallel", LightKind::parallel)
       .value("positional", LightKind::positional)
       .finalize();
-  py::class_<Light<double>>(module, "Light")
+  py::class_<Light<double>>(module, "Light",
+                            R"doc(A light that sparkles, as a slot of the shader holds it.
+
+parallel: `vector` points to the light (any length above 0), `size` is the sine of its angular
+radius, 0 to 1. positional: `vector` is the centre and `size` the radius, in scene units.)doc")
       .def(py::init([](LightKind kind, std::array<double, 3> vector, double size) {
              const Light<double> light{kind, {vector[0], vector[1], vector[2]}, size};
              metallic_paint::validate(light);

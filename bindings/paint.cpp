@@ -31,21 +31,31 @@ void def_colour(py::class_<Paint>& cls, const char* name) {
 }  // namespace
 
 void bind_paint(py::module_& module) {
-  py::native_enum<Orientation>(module, "Orientation", "enum.IntEnum")
+  py::native_enum<Orientation>(
+      module, "Orientation", "enum.IntEnum",
+      R"doc(The shape of P(beta): the paper's Gaussian in beta, or the field's Beckmann and GGX.)doc")
       .value("gaussian", Orientation::gaussian)
       .value("beckmann", Orientation::beckmann)
       .value("ggx", Orientation::ggx)
       .finalize();
-  py::native_enum<DepthModel>(module, "DepthModel", "enum.IntEnum")
+  py::native_enum<DepthModel>(
+      module, "DepthModel", "enum.IntEnum",
+      R"doc(With (attenuated) or without (thinned) masking and shadowing: paper, 5.3.2.)doc")
       .value("attenuated", DepthModel::attenuated)
       .value("thinned", DepthModel::thinned)
       .finalize();
-  py::native_enum<Radiometry>(module, "Radiometry", "enum.IntEnum")
+  py::native_enum<Radiometry>(
+      module, "Radiometry", "enum.IntEnum",
+      R"doc(The energy-conserving derivation, or the paper's formulas to the letter.)doc")
       .value("exact", Radiometry::exact)
       .value("published", Radiometry::published)
       .finalize();
 
-  py::class_<Paint> paint(module, "Paint");
+  py::class_<Paint> paint(
+      module, "Paint",
+      R"doc(A paint in real units; the defaults are the shader's. See struct Paint in core/paint.h.
+
+Fields given as keywords are checked on construction, all fields again on use.)doc");
   paint
       .def(py::init([](const py::kwargs& fields) {
         py::object self = py::cast(Paint{});
@@ -59,7 +69,9 @@ void bind_paint(py::module_& module) {
         metallic_paint::validate(complete);
         return complete;
       }))
-      .def("validate", [](const Paint& p) { metallic_paint::validate(p); })
+      .def(
+          "validate", [](const Paint& p) { metallic_paint::validate(p); },
+          R"doc(Raises ValueError where a field is out of its range.)doc")
       .def_readwrite("flakes_per_mm2", &Paint::flakes_per_mm2)
       .def_readwrite("flake_diameter_um", &Paint::flake_diameter_um)
       .def_readwrite("flake_area_spread", &Paint::flake_area_spread)
@@ -78,7 +90,11 @@ void bind_paint(py::module_& module) {
   def_colour<&Paint::flake_transmission>(paint, "flake_transmission");
   def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");
 
-  py::class_<CoatingTable<double>>(module, "CoatingTable")
+  py::class_<CoatingTable<double>>(
+      module, "CoatingTable",
+      R"doc(Reflectance and transmittance of a flake, RGB, at cos(alpha) = 0, 1/(n-1), ..., 1.
+
+2 to 4096 rows, linear in between; each value and each sum of the two from 0 to 1.)doc")
       .def(py::init([](const std::vector<Triple>& reflectance,
                        const std::vector<Triple>& transmittance) {
              CoatingTable<double> table;

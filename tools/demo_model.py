@@ -113,7 +113,9 @@ def body_mesh() -> tuple[Array, Array]:
     # One vertex in each cell that has corners on both sides.
     count = sum(
         inside[i : i - 1 or None, j : j - 1 or None, k : k - 1 or None].astype(np.int8)
-        for i in (0, 1) for j in (0, 1) for k in (0, 1)
+        for i in (0, 1)
+        for j in (0, 1)
+        for k in (0, 1)
     )
     mixed = (count > 0) & (count < 8)
     index = np.full(mixed.shape, -1)

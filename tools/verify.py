@@ -76,7 +76,9 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
             if leader < 0:
                 break  # below the horizon of every pixel: nothing to see
             images = [probe.image(d, leader) for d in (verify.COUNT, verify.RADIANCE)]
-            sums.add(images[1][geometry.hit], verify.predict(paint, slots, geometry, "double"), light)
+            sums.add(
+                images[1][geometry.hit], verify.predict(paint, slots, geometry, "double"), light
+            )
             if seed:
                 continue
             cone = probe.image(verify.CONE, leader)[..., 0]
@@ -112,7 +114,7 @@ def check_irradiance(
     irradiance: np.ndarray,
     faces: np.ndarray,
 ) -> list[bars.Bar]:
-    """The lit cones of radiance 1 against the lamp's own irradiance, and that no pixel is missed."""
+    """Lit cones of radiance 1 against the lamp's own irradiance, and that no pixel is missed."""
     found = irradiance[geometry.hit][faces].max(axis=-1)
     report = []
     if spec.shape in ("plane", "sphere") and lamp.data.type != "SPOT":  # nothing shadows itself
@@ -151,7 +153,8 @@ def judge(where: str, comparison: verify.Comparison, sums: Sums) -> list[bars.Ba
     c = comparison
     print(f"  {where}: {c.pixels} pixels, another count in {c.pixels - c.same_count} "
           f"(pixel edge {c.at_pixel_edge}, threshold {c.at_threshold}, "
-          f"unexplained {c.unexplained}), {c.by_chance} below Cycles' least weight", flush=True)  # fmt: skip
+          f"unexplained {c.unexplained}), {c.by_chance} below Cycles' least weight",
+          flush=True)  # fmt: skip
     error = c.radiance_error if c.radiance_error.size else np.array([np.inf])
     return [
         bars.at_least(f"{where}: share of pixels with the same count", c.same_count / c.pixels,
@@ -204,7 +207,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="paint verify", description=__doc__)
     parser.add_argument("--json", type=Path, required=True, help="the report")
     parser.add_argument("--out", type=Path, required=True, help="folder for the pictures")
-    parser.add_argument("--only", default="", metavar="TEXT", help="only scenes with TEXT in the name")
+    parser.add_argument(
+        "--only", default="", metavar="TEXT", help="only scenes with TEXT in the name"
+    )
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     scenes = [s for s in verify_scenes.SCENES if arguments.only in s.name]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 
 GAP = 8  # pixels between the panels
 
@@ -21,10 +21,12 @@ def write_comparison(path: Path, picture: np.ndarray, core: np.ndarray) -> None:
     white = np.quantile(lit, 0.999) if lit.size else 1.0
     panels = [picture, core, 100 * np.abs(picture - core)]
     gap = np.full((picture.shape[0], GAP, 3), 0.5)
-    row = np.concatenate([panels[0] / white, gap, panels[1] / white, gap, panels[2] / white], axis=1)
+    row = np.concatenate(
+        [panels[0] / white, gap, panels[1] / white, gap, panels[2] / white], axis=1
+    )
     encoded = np.clip(row[::-1], 0, 1) ** (1 / 2.2)
-    image = oiio.ImageBuf(np.ascontiguousarray(encoded, dtype=np.float32))
+    image = OpenImageIO.ImageBuf(np.ascontiguousarray(encoded, dtype=np.float32))
     unfinished = path.with_name(f".{path.name}")
-    if not image.write(str(unfinished), oiio.UINT8, "png"):
+    if not image.write(str(unfinished), OpenImageIO.UINT8, "png"):
         raise OSError(f"{path} cannot be written: {image.geterror()}")
     unfinished.replace(path)

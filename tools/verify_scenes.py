@@ -50,7 +50,9 @@ def sun(name: str, elevation: float, azimuth: float, angle: float = 0.0) -> Call
     return add
 
 
-def lamp(name: str, kind: str, location: tuple, radius: float = 0.0, energy: float = 100) -> Callable:
+def lamp(
+    name: str, kind: str, location: tuple, radius: float = 0.0, energy: float = 100
+) -> Callable:
     """A point or a spot light at a location, the spot aimed at the origin."""
 
     def add(scene: bpy.types.Scene) -> bpy.types.Object:

@@ -65,7 +65,7 @@ def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None
     """
     node.mode = "INTERNAL"
     with tempfile.TemporaryFile() as said:
-        with _cycles_scene(), _output_into(said):
+        with _cycles_scene(), output_into(said):
             node.script = text
         said.seek(0)
         message = said.read().decode(errors="replace").strip()
@@ -88,8 +88,8 @@ def _cycles_scene() -> Iterator[None]:
 
 
 @contextmanager
-def _output_into(file: IO[bytes]) -> Iterator[None]:
-    """Sends what the process writes into a file: the compiler speaks nowhere else."""
+def output_into(file: IO[bytes]) -> Iterator[None]:
+    """Sends what the process writes into a file: oslc and Cycles speak nowhere else."""
     streams = [stream for stream in (sys.stdout, sys.stderr) if stream is not None]
     try:
         kept = [(fd, os.dup(fd)) for fd in (1, 2)]

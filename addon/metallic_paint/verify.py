@@ -20,7 +20,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import lights, material
+from . import lights, material, shader
 from .paint import Paint
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
@@ -83,13 +83,14 @@ def make_noiseless(scene: bpy.types.Scene) -> None:
 
 def render(scene: bpy.types.Scene) -> np.ndarray:
     """(h, w, 3) float32, linear."""
-    import OpenImageIO as oiio
+    import OpenImageIO
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "probe.exr"
         scene.render.filepath = str(path)
-        bpy.ops.render.render(write_still=True, scene=scene.name)
-        pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
+        with (Path(folder) / "chatter").open("wb") as chatter, shader.output_into(chatter):
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        pixels = OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT)
     return np.ascontiguousarray(pixels[::-1, :, :3])
 
 
@@ -257,6 +258,10 @@ def _near_threshold(
     high, low = (words[:, i] >> 8 for i in (0, 1))
     uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
     mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]
-    fewest = core.count_deviate(mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1))
-    most = core.count_deviate(mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15))
+    fewest = core.count_deviate(
+        mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1)
+    )
+    most = core.count_deviate(
+        mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
+    )
     return (fewest <= found) & (found <= most)

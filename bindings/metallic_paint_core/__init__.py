@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The metallic-paint model over numpy arrays: the reference that the shader is checked against.
 
-Docstrings, shapes and units are in `_native.pyi`; the model itself is `core/`.
+Arrays may be anything numpy can turn into one; results are float64 unless stated. Bad input raises
+ValueError with a sentence that names the field, the value and the range. The model is `core/`.
 """
 
 from ._native import (

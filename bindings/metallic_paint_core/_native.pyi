@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays may be anything numpy can turn into one; results are float64 unless stated.
-
-Every function raises ValueError with a sentence that names the field, the value and the range.
-"""
+"""Types of the native module; its docstrings are in the module itself."""
 
 from collections.abc import Sequence
 from enum import IntEnum
@@ -14,32 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 class Orientation(IntEnum):
-    """The shape of P(beta): the paper's Gaussian in beta, or the field's Beckmann and GGX."""
-
     gaussian = 0
     beckmann = 1
     ggx = 2
 
 class DepthModel(IntEnum):
-    """With (attenuated) or without (thinned) masking and shadowing: paper, 5.3.2."""
-
     attenuated = 0
     thinned = 1
 
 class Radiometry(IntEnum):
-    """The energy-conserving derivation, or the paper's formulas to the letter."""
-
     exact = 0
     published = 1
 
 Colour = tuple[float, float, float]
 
 class Paint:
-    """A paint in real units; the defaults are the shader's. See struct Paint in core/paint.h.
-
-    Fields given as keywords are checked on construction, all fields again on use.
-    """
-
     flakes_per_mm2: float  # flakes per mm2 of painted surface (D H), 0 to 1e9
     flake_diameter_um: float  # of a disc of the mean flake area, 1e-3 to 1e5 um
     flake_area_spread: float  # standard deviation of the area over its mean, 0 to 100
@@ -59,15 +45,9 @@ class Paint:
     frame: int
 
     def __init__(self, **fields: object) -> None: ...
-    def validate(self) -> None:
-        """Raises ValueError where a field is out of its range."""
+    def validate(self) -> None: ...
 
 class CoatingTable:
-    """Reflectance and transmittance of a flake, RGB, at cos(alpha) = 0, 1/(n-1), ..., 1.
-
-    2 to 4096 rows, linear in between; each value and each sum of the two from 0 to 1.
-    """
-
     def __init__(
         self, reflectance: Sequence[Sequence[float]], transmittance: Sequence[Sequence[float]]
     ) -> None: ...
@@ -78,12 +58,6 @@ class LightKind(IntEnum):
     positional = 2
 
 class Light:
-    """A light that sparkles, as a slot of the shader holds it.
-
-    parallel: `vector` points to the light (any length above 0), `size` is the sine of its angular
-    radius, 0 to 1. positional: `vector` is the centre and `size` the radius, in scene units.
-    """
-
     def __init__(self, kind: LightKind, vector: Sequence[float], size: float) -> None: ...
     @property
     def kind(self) -> LightKind: ...
@@ -132,9 +106,7 @@ def evaluate(
 
 def flake_brdf(
     paint: Paint, normal: ArrayLike, view: ArrayLike, light: ArrayLike
-) -> NDArray[np.float64]:
-    """The mean of the sparkles as a BRDF, 1/sr: (n, 3) from unit vectors (n, 3)."""
-
+) -> NDArray[np.float64]: ...
 def hash_words(
     x: ArrayLike,
     y: ArrayLike,
@@ -144,23 +116,9 @@ def hash_words(
     frame: int = 0,
     seed: int = 0,
     draw: int = 0,
-) -> NDArray[np.uint32]:
-    """The four random words (n, 4) of draw number `draw` at pixels (x, y), any 32-bit integers."""
-
-def count_deviate(mean: ArrayLike, slots: ArrayLike, uniform: ArrayLike) -> NDArray[np.float64]:
-    """The count of sparkles for a uniform deviate in (0, 1].
-
-    slots = 0: Poisson; slots = k: binomial with k places and the same mean.
-    """
-
-def normal_quantile(probability: ArrayLike) -> NDArray[np.float64]:
-    """The standard normal deviate at a probability in (0, 1]."""
-
-def fresnel_transmittance(cos_theta: ArrayLike, eta: ArrayLike) -> NDArray[np.float64]:
-    """1 - r_eta: unpolarised transmittance at the outside cosine, 0 under total reflection."""
-
-def orientation_density(paint: Paint, beta: ArrayLike) -> NDArray[np.float64]:
-    """P(beta) of the paint's flakes, beta in rad, 0 to pi/2; P sin(beta) integrates to 1."""
-
-def mean_projected_area(paint: Paint, cos_theta: ArrayLike) -> NDArray[np.float64]:
-    """<s>, the mean projected area of a flake of unit area along a ray of that cosine (binder)."""
+) -> NDArray[np.uint32]: ...
+def count_deviate(mean: ArrayLike, slots: ArrayLike, uniform: ArrayLike) -> NDArray[np.float64]: ...
+def normal_quantile(probability: ArrayLike) -> NDArray[np.float64]: ...
+def fresnel_transmittance(cos_theta: ArrayLike, eta: ArrayLike) -> NDArray[np.float64]: ...
+def orientation_density(paint: Paint, beta: ArrayLike) -> NDArray[np.float64]: ...
+def mean_projected_area(paint: Paint, cos_theta: ArrayLike) -> NDArray[np.float64]: ...

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 # Another file of the same form can be judged by setting METALLIC_PAINT_REFERENCE_VALUES.
-FILE = os.environ.get("METALLIC_PAINT_REFERENCE_VALUES", Path(__file__).with_name("reference-values.json"))
+FILE = os.environ.get(
+    "METALLIC_PAINT_REFERENCE_VALUES", Path(__file__).with_name("reference-values.json")
+)
 ROWS = json.loads(Path(FILE).read_text())["rows"]
 
 

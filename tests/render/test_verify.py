@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every scene of ./paint verify in small: the shader finds the core's counts and radiances.
+
+The full sizes, with the statistics of the sparkles, are ./paint verify's.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+import verify_hash
+import verify_scenes
+from metallic_paint import lights, verify
+
+SIZE = 48
+
+
+@pytest.mark.parametrize("spec", verify_scenes.SCENES, ids=lambda spec: spec.name)
+def test_pixels_are_those_of_the_core(spec: verify_scenes.Scene) -> None:
+    scene = bpy.context.scene
+    item = verify_scenes.build(scene, spec, SIZE)
+    probe = verify.Probe(scene, [item.active_material])
+    geometry, slots = probe.geometry(), verify.core_lights()
+    paint = verify.core_paint(spec.paint)
+    predicted = verify.predict(paint, slots, geometry, "float")
+    lamp = lights.fill(scene).slots[0]
+    assert geometry.hit.mean() > 0.1
+    comparison = verify.compare(
+        paint,
+        geometry,
+        predicted,
+        light=0,
+        leader=0,
+        count=probe.image(verify.COUNT)[..., 0],
+        cone=probe.image(verify.CONE)[..., 0],
+        picture=probe.lit_by([lamp], verify.SPARKLES),
+        irradiance=probe.lit_by([lamp], verify.IRRADIANCE),
+    )
+    assert comparison.same_count == comparison.pixels
+    assert comparison.radiance_error.size > 0
+    assert comparison.radiance_error.max() < 1e-2
+
+
+def test_a_wrong_prediction_is_found_out() -> None:
+    spec = verify_scenes.SCENES[0]
+    scene = bpy.context.scene
+    item = verify_scenes.build(scene, spec, SIZE)
+    probe = verify.Probe(scene, [item.active_material])
+    geometry, slots = probe.geometry(), verify.core_lights()
+    paint = verify.core_paint(spec.paint, seed=spec.paint.seed + 1)
+    predicted = verify.predict(paint, slots, geometry, "float")
+    empty = np.zeros((SIZE, SIZE, 3), np.float32)
+    count = probe.image(verify.COUNT)[..., 0]
+    comparison = verify.compare(
+        paint, geometry, predicted, 0, 0, count, empty[..., 0], empty, empty
+    )
+    assert comparison.unexplained > 10
+
+
+def test_the_hash_has_the_same_bits() -> None:
+    assert verify_hash.check("test").holds

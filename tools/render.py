@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renders a model in one of the paints."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import blender_env
+
+blender_env.prepare()
+
+import addon_utils  # noqa: E402
+import bpy  # noqa: E402
+import demo_model  # noqa: E402
+import numpy as np  # noqa: E402
+import render_scene  # noqa: E402
+from metallic_paint import presets  # noqa: E402
+from mathutils import Vector  # noqa: E402
+from render_scene import RenderError, say  # noqa: E402
+
+SAMPLES = 32
+WIDTH, HEIGHT = 960, 540
+SMOOTH_BELOW = math.radians(30)  # the angle between faces of a mesh that has no normals
+MODELS = (".obj", ".glb", ".ply", ".stl", ".blend")
+
+
+def main() -> None:
+    arguments = parse()
+    paint = render_scene.load_paint(arguments.paint)
+    check_model(arguments.model, arguments.object)
+    render_scene.check_outputs([arguments.out])
+    with render_scene.quiet():
+        say(f"Opening {arguments.model}…")
+        if arguments.model.suffix.lower() == ".blend":
+            scene = open_blend(arguments.model)
+        else:
+            scene = import_mesh(arguments.model)
+        things = named(scene, arguments.object) if arguments.object else meshes(scene)
+        low, high = bounds(scene, things, arguments.model)
+        render_scene.paint_objects(things, paint)
+        extent = " × ".join(f"{x:.3g}" for x in (high - low) * scene.unit_settings.scale_length)
+        say(f"Painting {len(things)} object{'s' if len(things) > 1 else ''}, {extent} m")
+        samples = arguments.samples
+        if not has_camera_and_lights(scene):
+            add_studio(scene, low, high)
+            samples = samples or SAMPLES
+        render_scene.set_up(scene, samples, arguments.width, arguments.height)
+        render_scene.render(scene, [arguments.out], arguments.paint)
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="paint render",
+        description=f"{__doc__} A mesh stands in the demo's studio; a .blend with a camera and "
+        "lights is rendered as it is, without compositing and denoising. Lengths are metres.",
+    )
+    parser.add_argument(
+        "model", type=Path, metavar="MESH_OR_BLEND", help=f"a file: {' '.join(MODELS)}"
+    )
+    parser.add_argument(
+        "--paint", required=True, metavar="PRESET",
+        help=f"a JSON file, or one of {', '.join(presets.names())}",
+    )  # fmt: skip
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE",
+        help="the picture: .exr (32 bit, linear) or .png (8 bit)",
+    )  # fmt: skip
+    own = "a .blend's own, if that has camera and lights"
+    render_scene.add_arguments(parser, f"{SAMPLES}; {own}", f"{WIDTH}; {own}")
+    parser.add_argument(
+        "--height", type=render_scene.at_least_1, metavar="H",
+        help="in pixels (follows from the width)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--object", nargs="+", default=[], metavar="NAME",
+        help="which objects of a .blend to paint (all meshes)",
+    )  # fmt: skip
+    return parser.parse_args()
+
+
+def check_model(file: Path, names: Sequence[str]) -> None:
+    if file.suffix.lower() not in MODELS:
+        raise RenderError(f"{file}: a model's name ends in {', '.join(MODELS[:-1])} or {MODELS[-1]}.")
+    if names and file.suffix.lower() != ".blend":
+        raise RenderError(f"--object names objects of a .blend, and {file} is none.")
+    try:
+        with file.open("rb"):
+            pass
+    except OSError as error:
+        raise RenderError(f"{file} cannot be read: {error.strerror}.") from error
+
+
+# --- the model -------------------------------------------------------------------------------
+
+
+def open_blend(file: Path) -> bpy.types.Scene:
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(file.resolve()), use_scripts=False, load_ui=False)
+    except RuntimeError as error:
+        raise RenderError(f"{file} cannot be read: {reason(error)}") from error
+    return bpy.context.scene
+
+
+def import_mesh(file: Path) -> bpy.types.Scene:
+    """Its meshes in an empty scene, smooth as the file says."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    path = str(file.resolve())
+    try:
+        match file.suffix.lower():
+            case ".obj":
+                bpy.ops.wm.obj_import(filepath=path)
+            case ".ply":
+                bpy.ops.wm.ply_import(filepath=path)
+            case ".stl":
+                bpy.ops.wm.stl_import(filepath=path)
+            case ".glb":
+                addon_utils.enable("io_scene_gltf2")
+                bpy.ops.import_scene.gltf(filepath=path)
+    except RuntimeError as error:
+        raise RenderError(f"{file} cannot be read: {reason(error)}") from error
+    for thing in list(scene.objects):
+        if thing.type in ("CAMERA", "LIGHT"):  # the studio has its own
+            bpy.data.objects.remove(thing)
+    for mesh in bpy.data.meshes:
+        if not mesh.has_custom_normals:
+            mesh.shade_smooth()
+            mesh.set_sharp_from_angle(angle=SMOOTH_BELOW)
+    return scene
+
+
+def reason(error: RuntimeError) -> str:
+    """What an operator reported, as the end of a sentence."""
+    text = str(error).strip().splitlines()[-1].removeprefix("Error: ")
+    return text if text.endswith(".") else f"{text}."
+
+
+def named(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object]:
+    for name in names:
+        if name not in scene.objects:
+            raise RenderError(
+                f"The scene has no object {name!r}; its meshes are "
+                f"{', '.join(repr(thing.name) for thing in meshes(scene)) or 'none'}."
+            )
+    return [scene.objects[name] for name in names]
+
+
+def meshes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    return [thing for thing in rendered(scene) if thing.type == "MESH"]
+
+
+def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
+    """The objects that a render shows."""
+    seen = set()
+    collections = [layer.layer_collection for layer in scene.view_layers if layer.use]
+    while collections:
+        current = collections.pop()
+        if current.exclude or current.collection.hide_render:
+            continue
+        collections.extend(current.children)
+        for thing in current.collection.objects:
+            if not thing.hide_render and thing not in seen:
+                seen.add(thing)
+                yield thing
+
+
+def bounds(
+    scene: bpy.types.Scene, things: Sequence[bpy.types.Object], file: Path
+) -> tuple[Vector, Vector]:
+    """The corners of the objects' box in the world."""
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = [thing.evaluated_get(depsgraph) for thing in things]
+    faces = sum(len(thing.data.polygons) for thing in evaluated if thing.type == "MESH")
+    if not faces and all(thing.type == "MESH" for thing in things):
+        raise RenderError(f"{file} holds no faces to paint.")
+    corners = np.array([t.matrix_world @ Vector(corner) for t in evaluated for corner in t.bound_box])
+    if not np.isfinite(corners).all():
+        raise RenderError(f"{file} holds points whose coordinates are no finite numbers.")
+    return Vector(corners.min(axis=0)), Vector(corners.max(axis=0))
+
+
+# --- where it stands -------------------------------------------------------------------------
+
+
+def has_camera_and_lights(scene: bpy.types.Scene) -> bool:
+    return scene.camera is not None and any(thing.type == "LIGHT" for thing in rendered(scene))
+
+
+def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
+    """The demo's camera, lights, ground and world, around the box."""
+    mesh = bpy.data.meshes.new("Box")
+    mesh.from_pydata([low, high], [], [])
+    box = bpy.data.objects.new("Box", mesh)
+    scene.collection.objects.link(box)
+    bpy.context.view_layer.update()
+    demo_model.build_scene(scene, box)
+    bpy.data.objects.remove(box)
+    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    scene.render.resolution_percentage = 100
+    render_scene.set_up_studio(scene)
+
+
+if __name__ == "__main__":
+    render_scene.run(main)
