@@ -17,8 +17,6 @@ import demo_model  # noqa: E402
 import render_scene  # noqa: E402
 
 PRESET = "deep-blue"
-SAMPLES = 32
-WIDTH, HEIGHT = 960, 540
 
 
 def main() -> None:
@@ -26,7 +24,7 @@ def main() -> None:
     parser.add_argument(
         "--preset", default=PRESET, metavar="P", help=f"name or JSON file of a paint ({PRESET})"
     )
-    render_scene.add_arguments(parser, str(SAMPLES), str(WIDTH))
+    render_scene.add_arguments(parser)
     parser.add_argument(
         "--out", type=Path, default=Path("out"), metavar="DIR", help="folder for the files (out)"
     )
@@ -42,9 +40,8 @@ def main() -> None:
         car = demo_model.build_car(scene)
         render_scene.paint_objects([car], paint)
         demo_model.build_scene(scene, car)
-        scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
-        render_scene.set_up(scene, arguments.samples or SAMPLES, arguments.width, None)
         render_scene.set_up_studio(scene)
+        render_scene.set_up(scene, arguments.samples, arguments.width, None)
         render_scene.render(scene, files, arguments.preset)
         render_scene.say(f"{time.monotonic() - START:.0f} s in all")
 

@@ -5,24 +5,21 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import blender_env
 
 blender_env.prepare()
 
-import addon_utils  # noqa: E402
 import bpy  # noqa: E402
 import demo_model  # noqa: E402
 import numpy as np  # noqa: E402
 import render_scene  # noqa: E402
-from metallic_paint import presets  # noqa: E402
 from mathutils import Vector  # noqa: E402
+from metallic_paint import presets  # noqa: E402
 from render_scene import RenderError, say  # noqa: E402
 
-SAMPLES = 32
-WIDTH, HEIGHT = 960, 540
 SMOOTH_BELOW = math.radians(30)  # the angle between faces of a mesh that has no normals
 MODELS = (".obj", ".glb", ".ply", ".stl", ".blend")
 
@@ -39,23 +36,22 @@ def main() -> None:
         else:
             scene = import_mesh(arguments.model)
         things = named(scene, arguments.object) if arguments.object else meshes(scene)
-        low, high = bounds(scene, things, arguments.model)
         render_scene.paint_objects(things, paint)
+        low, high = bounds(things, arguments.model)
         extent = " × ".join(f"{x:.3g}" for x in (high - low) * scene.unit_settings.scale_length)
         say(f"Painting {len(things)} object{'s' if len(things) > 1 else ''}, {extent} m")
-        samples = arguments.samples
         if not has_camera_and_lights(scene):
             add_studio(scene, low, high)
-            samples = samples or SAMPLES
-        render_scene.set_up(scene, samples, arguments.width, arguments.height)
+        render_scene.set_up(scene, arguments.samples, arguments.width, arguments.height)
         render_scene.render(scene, [arguments.out], arguments.paint)
 
 
 def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="paint render",
-        description=f"{__doc__} A mesh stands in the demo's studio; a .blend with a camera and "
-        "lights is rendered as it is, without compositing and denoising. Lengths are metres.",
+        description=f"{__doc__} A mesh stands in the demo's studio; a .blend that has a camera "
+        "and lights keeps them, its size and its samples, and is rendered without compositing and "
+        "denoising. Lengths are metres: the flakes have their true size.",
     )
     parser.add_argument(
         "model", type=Path, metavar="MESH_OR_BLEND", help=f"a file: {' '.join(MODELS)}"
@@ -68,8 +64,7 @@ def parse() -> argparse.Namespace:
         "--out", type=Path, required=True, metavar="FILE",
         help="the picture: .exr (32 bit, linear) or .png (8 bit)",
     )  # fmt: skip
-    own = "a .blend's own, if that has camera and lights"
-    render_scene.add_arguments(parser, f"{SAMPLES}; {own}", f"{WIDTH}; {own}")
+    render_scene.add_arguments(parser)
     parser.add_argument(
         "--height", type=render_scene.at_least_1, metavar="H",
         help="in pixels (follows from the width)",
@@ -83,7 +78,8 @@ def parse() -> argparse.Namespace:
 
 def check_model(file: Path, names: Sequence[str]) -> None:
     if file.suffix.lower() not in MODELS:
-        raise RenderError(f"{file}: a model's name ends in {', '.join(MODELS[:-1])} or {MODELS[-1]}.")
+        known = f"{', '.join(MODELS[:-1])} or {MODELS[-1]}"
+        raise RenderError(f"{file}: a model's name ends in {known}.")
     if names and file.suffix.lower() != ".blend":
         raise RenderError(f"--object names objects of a .blend, and {file} is none.")
     try:
@@ -118,7 +114,7 @@ def import_mesh(file: Path) -> bpy.types.Scene:
             case ".stl":
                 bpy.ops.wm.stl_import(filepath=path)
             case ".glb":
-                addon_utils.enable("io_scene_gltf2")
+                bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
                 bpy.ops.import_scene.gltf(filepath=path)
     except RuntimeError as error:
         raise RenderError(f"{file} cannot be read: {reason(error)}") from error
@@ -149,45 +145,29 @@ def named(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object
 
 
 def meshes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    return [thing for thing in rendered(scene) if thing.type == "MESH"]
+    return [thing for thing in render_scene.rendered(scene) if thing.type == "MESH"]
 
 
-def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
-    """The objects that a render shows."""
-    seen = set()
-    collections = [layer.layer_collection for layer in scene.view_layers if layer.use]
-    while collections:
-        current = collections.pop()
-        if current.exclude or current.collection.hide_render:
-            continue
-        collections.extend(current.children)
-        for thing in current.collection.objects:
-            if not thing.hide_render and thing not in seen:
-                seen.add(thing)
-                yield thing
-
-
-def bounds(
-    scene: bpy.types.Scene, things: Sequence[bpy.types.Object], file: Path
-) -> tuple[Vector, Vector]:
+def bounds(things: Sequence[bpy.types.Object], file: Path) -> tuple[Vector, Vector]:
     """The corners of the objects' box in the world."""
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = [thing.evaluated_get(depsgraph) for thing in things]
-    faces = sum(len(thing.data.polygons) for thing in evaluated if thing.type == "MESH")
-    if not faces and all(thing.type == "MESH" for thing in things):
+    if not any(thing.type != "MESH" or thing.data.polygons for thing in evaluated):
         raise RenderError(f"{file} holds no faces to paint.")
-    corners = np.array([t.matrix_world @ Vector(corner) for t in evaluated for corner in t.bound_box])
+    corners = [thing.matrix_world @ Vector(c) for thing in evaluated for c in thing.bound_box]
     if not np.isfinite(corners).all():
         raise RenderError(f"{file} holds points whose coordinates are no finite numbers.")
-    return Vector(corners.min(axis=0)), Vector(corners.max(axis=0))
+    return Vector(np.min(corners, axis=0)), Vector(np.max(corners, axis=0))
 
 
 # --- where it stands -------------------------------------------------------------------------
 
 
 def has_camera_and_lights(scene: bpy.types.Scene) -> bool:
-    return scene.camera is not None and any(thing.type == "LIGHT" for thing in rendered(scene))
+    return scene.camera is not None and any(
+        thing.type == "LIGHT" for thing in render_scene.rendered(scene)
+    )
 
 
 def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
@@ -199,8 +179,6 @@ def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
     bpy.context.view_layer.update()
     demo_model.build_scene(scene, box)
     bpy.data.objects.remove(box)
-    scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
-    scene.render.resolution_percentage = 100
     render_scene.set_up_studio(scene)
 
 

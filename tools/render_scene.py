@@ -25,7 +25,7 @@ from typing import IO, NoReturn
 import blender_env
 import bpy
 import numpy as np
-import OpenImageIO as oiio
+import OpenImageIO
 from metallic_paint import lights, material, presets
 from metallic_paint.paint import Paint
 
@@ -33,6 +33,9 @@ SUFFIXES = (".exr", ".png")
 PAINT_INDEX = 31417  # of our material in the index pass, which tells where the picture shows it
 TILES = 12  # of a picture, at least: Cycles tells how far it is after each
 LOG_LINES = 25
+
+STUDIO_SIZE = (960, 540)
+STUDIO_SAMPLES = 32
 VIEW_TRANSFORM = "Standard"
 
 _console: IO[str] = sys.stdout
@@ -73,7 +76,7 @@ def _watch_signals() -> None:
 
     def wait() -> None:
         number = os.read(reader, 1)[0]
-        say("\nInterrupted: no file has changed.")
+        say("\nInterrupted.")
         _end(128 + number)
 
     threading.Thread(target=wait, daemon=True).start()
@@ -138,12 +141,12 @@ def at_least_1(text: str) -> int:
 at_least_1.__name__ = "whole number of 1 or more"  # argparse names the type in its message
 
 
-def add_arguments(parser: argparse.ArgumentParser, samples: str, width: str) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--samples", type=at_least_1, metavar="N", help=f"samples per pixel ({samples})"
+        "--samples", type=at_least_1, metavar="N", help=f"samples per pixel ({STUDIO_SAMPLES})"
     )
     parser.add_argument(
-        "--width", type=at_least_1, metavar="W", help=f"of the picture in pixels ({width})"
+        "--width", type=at_least_1, metavar="W", help=f"of the picture, pixels ({STUDIO_SIZE[0]})"
     )
 
 
@@ -183,16 +186,18 @@ def _unfinished_file(file: Path) -> Iterator[Path]:
 # --- the picture -----------------------------------------------------------------------------
 
 
-def set_up(scene: bpy.types.Scene, samples: int | None, width: int | None, height: int | None) -> None:
-    """Cycles with OSL, all samples in each pixel, and nothing that would take sparkles away.
+def set_up(
+    scene: bpy.types.Scene, samples: int | None, width: int | None, height: int | None
+) -> None:
+    """Cycles with OSL, and nothing that takes sparkles for noise: no denoising, no clamping.
 
-    Denoising takes sparkles for noise, and so does clamping. Of width and height, the one not
-    given follows from the other; with neither, the scene's size stays.
+    Of width and height, one that is not given follows from the other; what neither gives stays the
+    scene's own. The picture is what Cycles renders: compositing might write files elsewhere.
     """
     material.set_up_cycles(scene)
     cycles, render = scene.cycles, scene.render
     cycles.samples = samples or cycles.samples
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.use_denoising = False
     cycles.sample_clamp_direct = 0
     cycles.time_limit = 0
     if width or height:
@@ -209,6 +214,10 @@ def set_up(scene: bpy.types.Scene, samples: int | None, width: int | None, heigh
 
 def set_up_studio(scene: bpy.types.Scene) -> None:
     """What the studio needs of Cycles, and no more: it is to be quick."""
+    scene.render.resolution_x, scene.render.resolution_y = STUDIO_SIZE
+    scene.render.resolution_percentage = 100
+    scene.cycles.samples = STUDIO_SAMPLES
+    scene.cycles.use_adaptive_sampling = False
     scene.cycles.max_bounces = 4
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.view_settings.view_transform = VIEW_TRANSFORM
@@ -231,6 +240,21 @@ def paint_objects(things: Sequence[bpy.types.Object], paint: Paint) -> None:
     painted.pass_index = PAINT_INDEX
 
 
+def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
+    """The objects that a render shows."""
+    seen = set()
+    collections = [layer.layer_collection for layer in scene.view_layers if layer.use]
+    while collections:
+        current = collections.pop()
+        if current.exclude or current.collection.hide_render:
+            continue
+        collections.extend(current.children)
+        for thing in current.collection.objects:
+            if not thing.hide_render and thing not in seen:
+                seen.add(thing)
+                yield thing
+
+
 def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
     report = lights.fill(scene)
@@ -241,31 +265,40 @@ def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
         bpy.ops.render.render(scene=scene.name)
     seconds = time.monotonic() - start
     _check_paint(scene)
-    with contextlib.ExitStack() as stack:
-        written = [(stack.enter_context(_unfinished_file(file)), file) for file in files]
-        for beside, file in written:
-            _save(scene, beside)
-        for beside, file in written:
-            try:
-                beside.replace(file)
-            except OSError as error:
-                raise RenderError(f"{file} cannot be written: {error.strerror}.") from error
-    w, h = size(scene)
+    _write(scene, files)
     for file in files:
-        view = scene.view_settings.view_transform
-        kind = "32 bit, linear" if file.suffix.lower() == ".exr" else f"8 bit, view transform {view}"
-        say(f"{file} ({kind})")
+        say(f"{file} ({_describe(file, scene)})")
+    w, h = size(scene)
     say(f"{preset}, {w} × {h} pixels, {scene.cycles.samples} samples, {seconds:.0f} s")
     say(str(report))
-    dim = ["area lights"] if any(light.data.type == "AREA" for light in report_lights(scene)) else []
-    dim += ["the world"] if _world_shines(scene.world) else []
-    if dim:
-        say(f"Note: in this version {' and '.join(dim)} shine on the lacquer and what is under "
-            "the flakes, not on the flakes.")  # fmt: skip
+    unseen = ["area lights"] * any(thing.type == "LIGHT" and thing.data.type == "AREA"
+                                   for thing in rendered(scene))  # fmt: skip
+    unseen += ["the world"] * _world_shines(scene.world)
+    if unseen:
+        say(f"Note: in this version the flakes do not reflect {' and '.join(unseen)}; "
+            "the lacquer over them does.")  # fmt: skip
 
 
-def report_lights(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    return [thing for thing in scene.objects if thing.type == "LIGHT" and not thing.hide_render]
+def _write(scene: bpy.types.Scene, files: Sequence[Path]) -> None:
+    with contextlib.ExitStack() as stack:
+        beside = [stack.enter_context(_unfinished_file(file)) for file in files]
+        for unfinished in beside:
+            _save(scene, unfinished)
+        for unfinished, file in zip(beside, files, strict=True):
+            try:
+                unfinished.replace(file)
+            except OSError as error:
+                raise RenderError(f"{file} cannot be written: {error.strerror}.") from error
+
+
+def _describe(file: Path, scene: bpy.types.Scene) -> str:
+    if _is_exr(file):
+        return "32 bit, linear"
+    return f"8 bit, view transform {scene.view_settings.view_transform}"
+
+
+def _is_exr(file: Path) -> bool:
+    return file.suffix.lower() == ".exr"
 
 
 def _world_shines(world: bpy.types.World | None) -> bool:
@@ -325,10 +358,9 @@ def _share_done(stats: str) -> float:
 
 def _check_paint(scene: bpy.types.Scene) -> None:
     """Cycles renders a shader that fails as black, without a word."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "passes.exr"
-        _save(scene, file, layers=True)
-        color, index = _passes(file)
+    file = Path(bpy.app.tempdir) / "passes.exr"
+    _save(scene, file, layers=True)
+    color, index = _passes(file)
     shown = index == PAINT_INDEX
     if not shown.any():
         say("Note: the camera sees none of the paint.")
@@ -341,9 +373,9 @@ def _check_paint(scene: bpy.types.Scene) -> None:
 def _passes(file: Path) -> tuple[np.ndarray, np.ndarray]:
     """Colour (n, 3) and material index (n) of the pixels of all view layers."""
     channels: dict[str, np.ndarray] = {}
-    for part in range(oiio.ImageBuf(str(file)).nsubimages):
-        image = oiio.ImageBuf(str(file), part, 0)
-        pixels = image.get_pixels(oiio.FLOAT)
+    for part in range(OpenImageIO.ImageBuf(str(file)).nsubimages):
+        image = OpenImageIO.ImageBuf(str(file), part, 0)
+        pixels = image.get_pixels(OpenImageIO.FLOAT)
         for name, values in zip(image.spec().channelnames, np.moveaxis(pixels, -1, 0), strict=True):
             channels[name] = values.ravel()
     layers = [name.removesuffix(".IndexMA.X") for name in channels if name.endswith(".IndexMA.X")]
@@ -355,12 +387,13 @@ def _save(scene: bpy.types.Scene, file: Path, *, layers: bool = False) -> None:
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):  # Blender 5
         settings.media_type = "MULTI_LAYER_IMAGE" if layers else "IMAGE"
-    if file.suffix.lower() == ".exr":
+    if _is_exr(file):
         settings.file_format = "OPEN_EXR_MULTILAYER" if layers else "OPEN_EXR"
         settings.color_depth, settings.exr_codec = "32", "ZIP"
     else:
         settings.file_format, settings.color_depth = "PNG", "8"
-    settings.color_mode = "RGBA" if file.suffix.lower() == ".exr" or scene.render.film_transparent else "RGB"
+    has_alpha = _is_exr(file) or scene.render.film_transparent
+    settings.color_mode = "RGBA" if has_alpha else "RGB"
     try:
         bpy.data.images["Render Result"].save_render(str(file), scene=scene)
     except RuntimeError as error:

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shader where verify's scenes do not go: extreme values, other cameras, mirrors, frames."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+import verify_scenes
+from metallic_paint import material, verify
+from metallic_paint.paint import PARAMETERS, Paint
+
+SIZE = 32
+SCENE = next(s for s in verify_scenes.SCENES if s.name == "thinned, sphere")
+VALUES = (verify.COUNT, verify.MEAN_COUNT, verify.RADIANCE, verify.MEAN_RADIANCE, verify.PIXEL)
+
+
+def probe_of(spec: verify_scenes.Scene = SCENE) -> verify.Probe:
+    scene = bpy.context.scene
+    item = verify_scenes.build(scene, spec, SIZE)
+    return verify.Probe(scene, [item.active_material])
+
+
+def finite_and_not_negative(image: np.ndarray) -> bool:
+    return bool(np.isfinite(image).all() and (image >= 0).all())
+
+
+EXTREMES = [
+    (parameter.label, value)
+    for parameter in PARAMETERS.values()
+    for value in (parameter.minimum, parameter.maximum, -1e30, 1e30)
+    if not parameter.choices and parameter.label not in ("Seed",) and not parameter.is_color
+]
+
+
+@pytest.mark.parametrize("label", sorted({label for label, _ in EXTREMES}))
+def test_values_at_and_beyond_the_ends_of_their_range_stay_finite(label: str) -> None:
+    probe = probe_of()
+    for other, value in EXTREMES:
+        if other != label:
+            continue
+        socket = probe.nodes[0].inputs[label]
+        vector = socket.type == "VECTOR"
+        socket.default_value = [value] * 3 if vector else value
+        for diagnostic in VALUES:
+            image = probe.image(diagnostic)
+            assert finite_and_not_negative(image), (value, diagnostic)
+
+
+@pytest.mark.parametrize("orientation", (0, 1, 2, 7, -7))
+@pytest.mark.parametrize("tilt", (1e-6, 1.0, 100.0))
+def test_every_orientation_is_finite_from_a_spike_to_flat(orientation: int, tilt: float) -> None:
+    probe = probe_of()
+    probe.set("Orientation", orientation)
+    probe.set("Tilt", tilt)
+    assert finite_and_not_negative(probe.image(verify.MEAN_RADIANCE))
+    assert finite_and_not_negative(probe.image(verify.RADIANCE))
+
+
+@pytest.mark.parametrize("scale", (1e-6, 1e6))
+def test_paint_does_not_depend_on_the_units_of_the_scene(scale: float) -> None:
+    """A scene scaled with its metres per unit shows the same expected count."""
+    counts = []
+    for factor in (1.0, scale):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        probe = probe_of()
+        for item in probe.scene.objects:
+            item.location *= factor
+            item.scale *= factor
+        data = probe.scene.camera.data
+        data.clip_start, data.clip_end = 0.01 * factor, 100 * factor
+        probe.scene.camera.scale = (1, 1, 1)
+        probe.set("Model Scale", 1 / factor)
+        counts.append(probe.image(verify.MEAN_COUNT)[..., 0])
+    both = (counts[0] > 0) & (counts[1] > 0)
+    assert both.mean() > 0.3
+    assert np.median(np.abs(counts[1][both] / counts[0][both] - 1)) < 1e-3
+
+
+def test_a_panoramic_camera_sees_finite_sparkles() -> None:
+    probe = probe_of()
+    probe.scene.camera.data.type = "PANO"
+    footprint = probe.image(verify.PIXEL)[..., 0]
+    assert footprint.max() > 0
+    for diagnostic in VALUES:
+        assert np.isfinite(probe.image(diagnostic)).all()
+    assert probe.image(verify.MEAN_RADIANCE).max() > 0
+
+
+def test_paint_seen_in_a_mirror_sparkles() -> None:
+    probe = probe_of()
+    scene = probe.scene
+    bpy.ops.mesh.primitive_plane_add(size=4, location=(0, 0, -0.6))
+    glass = bpy.data.materials.new("Mirror")
+    if glass.node_tree is None:
+        glass.use_nodes = True
+    shader = glass.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Metallic"].default_value, shader.inputs["Roughness"].default_value = 1, 0
+    material.assign(bpy.context.object, glass)
+    scene.cycles.max_bounces = scene.cycles.glossy_bounces = 2
+    scene.camera.location.z = -0.3
+    scene.camera.rotation_euler = scene.camera.location.to_track_quat("Z", "Y").to_euler()
+    image = probe.image(verify.SPARKLES)
+    assert finite_and_not_negative(image)
+
+
+def test_a_frame_draws_anew_and_a_seed_too() -> None:
+    probe = probe_of()
+    first = probe.image(verify.COUNT)
+    np.testing.assert_array_equal(probe.image(verify.COUNT), first)
+    for socket in ("Frame", "Seed"):
+        probe.set(socket, 12)
+        assert (probe.image(verify.COUNT) != first).any()
+        probe.set(socket, verify_scenes.CANDY.seed if socket == "Seed" else 0)
+    np.testing.assert_array_equal(probe.image(verify.COUNT), first)
+
+
+def test_a_border_render_shows_the_sparkles_of_the_frame() -> None:
+    probe = probe_of()
+    whole = probe.image(verify.COUNT)
+    render = probe.scene.render
+    render.use_border, render.use_crop_to_border = True, False
+    render.border_min_x, render.border_max_x = 0.25, 0.75
+    render.border_min_y, render.border_max_y = 0.25, 0.75
+    part = probe.image(verify.COUNT)
+    inner = slice(SIZE // 4, 3 * SIZE // 4)
+    np.testing.assert_array_equal(part[inner, inner], whole[inner, inner])
+
+
+def test_the_paint_holds_no_emission() -> None:
+    """Cycles takes every mesh for a lamp whose shader holds the closure."""
+    probe = probe_of()
+    group = probe.nodes[0].node_tree
+    script = next(node for node in group.nodes if node.type == "SCRIPT")
+    assert '"emission"' not in script.bytecode
+
+
+def test_paint_has_a_highlight_and_a_substrate() -> None:
+    spec = SCENE
+    dark = Paint(substrate_color=(0, 0, 0), flakes_per_mm2=0)
+    light = Paint(substrate_color=(0.8, 0.1, 0.1), flakes_per_mm2=0)
+    pictures = []
+    for paint in (dark, light):
+        probe = probe_of()
+        material.apply(probe.materials[0], paint)
+        pictures.append(verify.render(probe.scene))
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert spec.paint is not None
+    assert pictures[0].max() < 1e-3
+    red, green = pictures[1][..., 0].mean(), pictures[1][..., 1].mean()
+    assert red > 5 * green > 0
