@@ -103,7 +103,7 @@ void evaluate_pixels(const Paint& paint, const CoatingTable<double>* coating,
   std::optional<ProjectionTable<T>> projection;
   if (coating != nullptr) {
     projection.emplace(layer.orientation, layer.coating, kProjectionIntervals);
-    layer.table = &*projection;
+    layer.projection_table = &*projection;
   }
   std::vector<Light<T>> slots;
   std::vector<HashWords> keys;

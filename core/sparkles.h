@@ -54,7 +54,9 @@ struct Layer {
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   DepthModel depth_model;
   Radiometry radiometry;
-  const ProjectionTable<T>* table = nullptr;  // <s> - <t_p> from a table instead of exactly
+  // The paper's tables, in place of the exact functions where they are given.
+  const OrientationTable<T>* orientation_table = nullptr;  // P(beta)
+  const ProjectionTable<T>* projection_table = nullptr;    // <s> - <t_p>
 };
 
 // Where the paint is looked at. The view is a unit vector towards the observer.
@@ -83,11 +85,18 @@ struct Sparkles {
   Rgb<T> radiance{};  // T
 };
 
+// P(beta) of the layer's flakes.
+template <class T>
+T flake_density(const Layer<T>& layer, T sin2_half_beta) {
+  if (layer.orientation_table != nullptr) return layer.orientation_table->at(sin2_half_beta);
+  return orientation_density(layer.orientation, sin2_half_beta);
+}
+
 // The optical depth of the layer along view and light, given the cosines in the binder.
 template <class T>
 Rgb<T> slant_depth_of(const Layer<T>& layer, T cos_in) {
   return slant_depth(layer.coverage,
-                     blocked_area(layer.orientation, layer.coating, layer.table, cos_in),
+                     blocked_area(layer.orientation, layer.coating, layer.projection_table, cos_in),
                      layer.binder_depth, cos_in);
 }
 
@@ -137,7 +146,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
   if (!(inside > 0)) return expected;  // a point light on perfect mirrors: no flake ever meets it
 
   // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4); at most 1.
-  const T density = orientation_density(layer.orientation, sin2_half_beta);
+  const T density = flake_density(layer, sin2_half_beta);
   const T probability = std::min(density * inside / (8 * pi * cos_alpha), T(1));
 
   // Optical depth there and back, and what it leaves on average of a beam to a random depth: A = (1
@@ -290,7 +299,7 @@ Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> l
   const Vec3<T> sum = refract_direction(view, normal, cos_view, g_view, eta) +
                       refract_direction(light, normal, cos_light, g_light, eta);
   const Vec3<T> tilt = normal - sum / length(sum);
-  const T p = orientation_density(layer.orientation, std::min(T(0.25) * dot(tilt, tilt), T(0.5))) /
+  const T p = flake_density(layer, std::min(T(0.25) * dot(tilt, tilt), T(0.5))) /
               (2 * std::numbers::pi_v<T>);
   const Rgb<T> slant = slant_depth_of(layer, std::min(g_view / eta, T(1))) +
                        slant_depth_of(layer, std::min(g_light / eta, T(1)));

@@ -283,7 +283,7 @@ TEST(Sparkles, ProjectionTableStandsInForTheExactProjection) {
     auto layer = scene.layer<double>();
     const Rgb<double> exact = mean_radiance(scene.expect<double>());
     const ProjectionTable<double> table(layer.orientation, layer.coating, kProjectionIntervals);
-    layer.table = &table;
+    layer.projection_table = &table;
     const auto tabulated =
         mean_radiance(expect_sparkles(layer, scene.point<double>(), scene.seen<double>()));
     worst.see(relative_error(tabulated.y, exact.y), scene);
