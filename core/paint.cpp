@@ -74,8 +74,7 @@ void validate(const Paint& paint) {
 }
 
 void validate(const Light<double>& light) {
-  const double largest =
-      1e30;
+  const double largest = 1e30;
   require_range("light.vector.x", light.vector.x, -largest, largest);
   require_range("light.vector.y", light.vector.y, -largest, largest);
   require_range("light.vector.z", light.vector.z, -largest, largest);

@@ -165,7 +165,8 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected |= {*_EXTRAS, NORMAL, lights.METERS_PER_UNIT}
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
-    found = {socket.identifier for socket in script.inputs}
+    expected |= {OUTPUT, SHOWN}
+    found = {socket.identifier for socket in (*script.inputs, *script.outputs)}
     if missing := sorted(expected - found):
         raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
     if unknown := sorted(found - expected):

@@ -21,6 +21,16 @@ QUICK = ("--width", 64, "--samples", 1)
 SECONDS = 120  # a tool that takes longer hangs
 EARLIER = "a picture of yesterday"
 
+PLY = """ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+"""
 EXPORTERS: dict[str, Callable[[str], object]] = {
     ".obj": lambda file: bpy.ops.wm.obj_export(filepath=file),
     ".ply": lambda file: bpy.ops.wm.ply_export(filepath=file, export_normals=True),
@@ -137,7 +147,7 @@ def test_a_blend_without_camera_and_lights_gets_the_studio(tmp_path: Path) -> No
     assert "light 3: " in said
 
 
-def test_the_demo_writes_the_same_picture_twice(tmp_path: Path) -> None:
+def test_the_demo_writes_one_picture_in_two_files(tmp_path: Path) -> None:
     done = tool("demo", "--out", tmp_path, *QUICK)
     assert done.returncode == 0, done.stderr
     assert_shows_something(tmp_path / "demo.exr", (64, 36))
@@ -238,7 +248,7 @@ def test_the_paint_must_exist(out: Path, triangle: Path) -> None:
         ("bad.stl", "no stl", "bad.stl "),
         ("bad.glb", "no glb", "bad.glb cannot be read: "),
         ("bad.blend", "no blend", "bad.blend cannot be read: "),
-        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "nan.obj "),
+        ("dot.ply", PLY + "1 1 1\n" * 3 + "3 0 1 2\n", "what is to be painted has no extent."),
     ],
 )
 def test_the_model_must_be_readable(
@@ -277,6 +287,19 @@ def test_named_objects_must_exist_and_hold_paint(tmp_path: Path, out: Path, tria
     assert_fails(out, [*whole, "Noon"], "'Noon' (LIGHT) cannot hold a material")
     arguments = [triangle, "--paint", "copper", "--out", out, "--object", "Ball"]
     assert_fails(out, arguments, "--object names objects of a .blend")
+
+
+def test_coordinates_must_be_numbers(tmp_path: Path, out: Path) -> None:
+    add_ball().data.vertices[0].co.x = float("nan")
+    file = save_blend(tmp_path / "ball.blend")
+    arguments = [file, "--paint", "copper", "--out", out, *QUICK]
+    assert_fails(out, arguments, "'Ball' has coordinates that are no finite numbers.")
+
+
+def test_a_flat_model_lies_on_the_ground(tmp_path: Path) -> None:
+    (tmp_path / "flat.ply").write_text(PLY + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    rendered(tmp_path / "flat.ply", "--out", tmp_path / "flat.png", *QUICK)
+    assert_shows_something(tmp_path / "flat.png", (64, 36))
 
 
 def test_a_paint_that_is_all_black_fails(tmp_path: Path, out: Path) -> None:

@@ -41,7 +41,8 @@ def probe(body: str) -> str:
         kind, vector, size = lights.slot_names(slot)
         parameters += [f"float {kind} = 0", f"vector {vector} = 0", f"float {size} = 0"]
     return (
-        f"shader metallic_paint({', '.join(parameters)}, output closure color BSDF = 0)\n"
+        f"shader metallic_paint({', '.join(parameters)},\n"
+        "output closure color BSDF = 0, output color Shown = 0)\n"
         f"{{ color value = 0; {body} BSDF = value * emission(); }}\n"
     )
 

@@ -47,8 +47,8 @@ def test_values_at_and_beyond_the_ends_of_their_range_stay_finite(label: str) ->
             assert finite_and_not_negative(image), (value, diagnostic)
 
 
-@pytest.mark.parametrize("orientation", (0, 1, 2, 7, -7))
-@pytest.mark.parametrize("tilt", (1e-6, 1.0, 100.0))
+@pytest.mark.parametrize("orientation", [0, 1, 2, 7, -7])
+@pytest.mark.parametrize("tilt", [1e-6, 1.0, 100.0])
 def test_every_orientation_is_finite_from_a_spike_to_flat(orientation: int, tilt: float) -> None:
     probe = probe_of()
     probe.set("Orientation", orientation)
@@ -57,7 +57,7 @@ def test_every_orientation_is_finite_from_a_spike_to_flat(orientation: int, tilt
     assert finite_and_not_negative(probe.image(verify.RADIANCE))
 
 
-@pytest.mark.parametrize("scale", (1e-6, 1e6))
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_paint_does_not_depend_on_the_units_of_the_scene(scale: float) -> None:
     """A scene scaled with its metres per unit shows the same expected count."""
     counts = []
