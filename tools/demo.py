@@ -37,11 +37,11 @@ def main() -> None:
         render_scene.say("Building the car…")
         bpy.ops.wm.read_factory_settings(use_empty=True)
         scene = bpy.context.scene
+        render_scene.set_up_studio(scene)
+        render_scene.set_up(scene, arguments.samples, arguments.width, None)
         car = demo_model.build_car(scene)
         render_scene.paint_objects([car], paint)
         demo_model.build_scene(scene, car)
-        render_scene.set_up_studio(scene)
-        render_scene.set_up(scene, arguments.samples, arguments.width, None)
         render_scene.render(scene, files, arguments.preset)
         render_scene.say(f"{time.monotonic() - START:.0f} s in all")
 

@@ -40,9 +40,12 @@ def main() -> None:
         low, high = bounds(things, arguments.model)
         extent = " × ".join(f"{x:.3g}" for x in (high - low) * scene.unit_settings.scale_length)
         say(f"Painting {len(things)} object{'s' if len(things) > 1 else ''}, {extent} m")
-        if not has_camera_and_lights(scene):
-            add_studio(scene, low, high)
+        in_studio = not has_camera_and_lights(scene)
+        if in_studio:
+            render_scene.set_up_studio(scene)
         render_scene.set_up(scene, arguments.samples, arguments.width, arguments.height)
+        if in_studio:
+            add_studio(scene, low, high)
         render_scene.render(scene, [arguments.out], arguments.paint)
 
 
@@ -155,10 +158,20 @@ def bounds(things: Sequence[bpy.types.Object], file: Path) -> tuple[Vector, Vect
     evaluated = [thing.evaluated_get(depsgraph) for thing in things]
     if not any(thing.type != "MESH" or thing.data.polygons for thing in evaluated):
         raise RenderError(f"{file} holds no faces to paint.")
+    for thing in evaluated:
+        if thing.type == "MESH" and not np.isfinite(coordinates(thing.data)).all():
+            raise RenderError(f"{file}: {thing.name!r} has coordinates that are no finite numbers.")
     corners = [thing.matrix_world @ Vector(c) for thing in evaluated for c in thing.bound_box]
-    if not np.isfinite(corners).all():
-        raise RenderError(f"{file} holds points whose coordinates are no finite numbers.")
-    return Vector(np.min(corners, axis=0)), Vector(np.max(corners, axis=0))
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    if not 0 < np.linalg.norm(high - low) < np.inf:
+        raise RenderError(f"{file}: what is to be painted has no extent.")
+    return Vector(low), Vector(high)
+
+
+def coordinates(mesh: bpy.types.Mesh) -> np.ndarray:
+    values = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", values)
+    return values
 
 
 # --- where it stands -------------------------------------------------------------------------
@@ -171,7 +184,11 @@ def has_camera_and_lights(scene: bpy.types.Scene) -> bool:
 
 
 def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
-    """The demo's camera, lights, ground and world, around the box."""
+    """The demo's camera, lights, ground and world, around the box.
+
+    The ground lies a little lower than the box: a flat model would lie in it.
+    """
+    low = low - Vector((0, 0, 1e-3 * (high - low).length))
     mesh = bpy.data.meshes.new("Box")
     mesh.from_pydata([low, high], [], [])
     box = bpy.data.objects.new("Box", mesh)
@@ -179,7 +196,6 @@ def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
     bpy.context.view_layer.update()
     demo_model.build_scene(scene, box)
     bpy.data.objects.remove(box)
-    render_scene.set_up_studio(scene)
 
 
 if __name__ == "__main__":

@@ -31,6 +31,7 @@ from metallic_paint.paint import Paint
 
 SUFFIXES = (".exr", ".png")
 PAINT_INDEX = 31417  # of our material in the index pass, which tells where the picture shows it
+INDEX_PASSES = ("IndexMA", "Material Index")  # its names in Blender 4 and 5
 TILES = 12  # of a picture, at least: Cycles tells how far it is after each
 LOG_LINES = 25
 
@@ -378,9 +379,13 @@ def _passes(file: Path) -> tuple[np.ndarray, np.ndarray]:
         pixels = image.get_pixels(OpenImageIO.FLOAT)
         for name, values in zip(image.spec().channelnames, np.moveaxis(pixels, -1, 0), strict=True):
             channels[name] = values.ravel()
-    layers = [name.removesuffix(".IndexMA.X") for name in channels if name.endswith(".IndexMA.X")]
-    colors = [np.stack([channels[f"{x}.Combined.{c}"] for c in "RGB"], -1) for x in layers]
-    return np.concatenate(colors), np.concatenate([channels[f"{x}.IndexMA.X"] for x in layers])
+    colors, indices = [], []
+    for name, index in channels.items():
+        layer, _, passed = name.removesuffix(".X").rpartition(".")
+        if passed in INDEX_PASSES:
+            colors.append(np.stack([channels[f"{layer}.Combined.{c}"] for c in "RGB"], axis=-1))
+            indices.append(index)
+    return np.concatenate(colors), np.concatenate(indices)
 
 
 def _save(scene: bpy.types.Scene, file: Path, *, layers: bool = False) -> None:
