@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
+import demo_model
 from mathutils import Vector
-from metallic_paint import lights, material
+from metallic_paint import lights, material, presets
 from metallic_paint.paint import Paint
 
 SILVER = Paint()
@@ -120,7 +121,20 @@ SCENES = (
           paint=dataclasses.replace(SILVER, tilt=0.6, binder_ior=1.0), scale=(0.5, 0.5, 0.5)),
     Scene("pixels smaller than a flake", (sun("Sun", 60, 110, 4),), width=0.01, distance=0.3,
           paint=dataclasses.replace(SILVER, flake_diameter_um=90, flakes_per_mm2=150), seeds=4),
+    Scene("the demo's car", (sun("Sun", 45, -60, 0.53),
+          lamp("Spot", "SPOT", (-3, -6, 5), 0.02, 3000),
+          lamp("Point", "POINT", (4, -2, 3), 0.02, 1500)), shape="car", rotation=(0, 0, -0.6), distance=10, elevation=20, width=4.6,
+          paint=presets.load("deep-blue"), seeds=2),
 )  # fmt: skip
+
+
+def _add_car(scene: bpy.types.Scene) -> None:
+    """The painted body of ./paint demo alone, about the origin, as the active object."""
+    body = demo_model.build_car(scene)
+    for item in scene.objects:
+        item.hide_render = item != body
+    body.location.z = -0.65
+    bpy.context.view_layer.objects.active = body
 
 
 def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
@@ -129,6 +143,7 @@ def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
     scene.render.resolution_x = scene.render.resolution_y = size
     scene.render.resolution_percentage = 100
     add = {
+        "car": lambda: _add_car(scene),
         "plane": lambda: bpy.ops.mesh.primitive_plane_add(size=4 * spec.width),
         "sphere": lambda: bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48),
         "monkey": lambda: bpy.ops.mesh.primitive_monkey_add(),
