@@ -123,7 +123,8 @@ SCENES = (
           paint=dataclasses.replace(SILVER, flake_diameter_um=90, flakes_per_mm2=150), seeds=4),
     Scene("the demo's car", (sun("Sun", 45, -60, 0.53),
           lamp("Spot", "SPOT", (-3, -6, 5), 0.02, 3000),
-          lamp("Point", "POINT", (4, -2, 3), 0.02, 1500)), shape="car", rotation=(0, 0, -0.6), distance=10, elevation=20, width=4.6,
+          lamp("Point", "POINT", (4, -2, 3), 0.02, 1500)), shape="car",
+          rotation=(0, 0, -0.6), distance=10, elevation=20, width=4.6,
           paint=presets.load("deep-blue"), seeds=2),
 )  # fmt: skip
 
