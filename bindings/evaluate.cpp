@@ -13,20 +13,10 @@ using namespace metallic_paint;
 
 namespace {
 
-void require_shape(const char* name, const py::array& array,
-                   const std::vector<py::ssize_t>& shape) {
-  if (std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()) == shape) return;
-  throw py::value_error(std::string(name) + " has the shape " +
-                        py::str(array.attr("shape")).cast<std::string>() + ", but must be " +
-                        py::str(py::cast(shape)).cast<std::string>());
-}
-
 py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
-                  const Array<double>& position, const Array<double>& normal,
-                  const Array<double>& view, const Array<double>& footprint,
-                  const Array<std::int32_t>& pixel,
-                  const std::optional<CoatingTable<double>>& coating,
-                  const std::optional<Array<double>>& slant_depth, const std::string& precision) {
+                  py::handle positions, py::handle normals, py::handle views, py::handle footprints,
+                  py::handle pixels, const std::optional<CoatingTable<double>>& coating,
+                  py::handle slant_depths, const std::string& precision) {
   if (lights.size() > kLightSlots) {
     throw py::value_error("lights holds " + std::to_string(lights.size()) +
                           ", but must hold at most " + std::to_string(kLightSlots));
@@ -34,9 +24,16 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
   if (precision != "float" && precision != "double") {
     throw py::value_error("precision is '" + precision + "', but must be 'float' or 'double'");
   }
-  const py::ssize_t n = footprint.ndim() == 1 ? footprint.shape(0) : 0;
+  const Array<double> position = numbers("position", positions);
+  const Array<double> normal = numbers("normal", normals);
+  const Array<double> view = numbers("view", views);
+  const Array<double> footprint = numbers("footprint", footprints);
+  const Array<std::int32_t> pixel = whole_numbers("pixel", pixels);
+  std::optional<Array<double>> slant_depth;
+  if (!slant_depths.is_none()) slant_depth = numbers("slant_depth", slant_depths);
+  require_one_dimension("footprint", footprint);
+  const py::ssize_t n = footprint.shape(0);
   const py::ssize_t slots = static_cast<py::ssize_t>(lights.size());
-  require_shape("footprint", footprint, {n});
   require_shape("position", position, {n, 3});
   require_shape("normal", normal, {n, 3});
   require_shape("view", view, {n, 3});
@@ -61,7 +58,7 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
                              variance.mutable_data()};
   {
     const py::gil_scoped_release released;
-    metallic_paint::validate(batch);
+    metallic_paint::validate(batch, lights.size());
     const CoatingTable<double>* table = coating ? &*coating : nullptr;
     if (precision == "float") {
       evaluate_pixels<float>(paint, table, lights, batch, results);

@@ -9,10 +9,17 @@ using namespace metallic_paint;
 void bind_functions(py::module_& module) {
   module.def(
       "hash_words",
-      [](const Array<std::int32_t>& x, const Array<std::int32_t>& y, int light, int species,
-         int frame, int seed, int draw) {
-        if (x.size() != y.size()) throw py::value_error("x and y must have the same size");
-        const HashWords key = stream_key(light, species, frame, seed);
+      [](py::handle xs, py::handle ys, py::handle light, py::handle species, py::handle frame,
+         py::handle seed, py::handle draws) {
+        const Array<std::int32_t> x = whole_numbers("x", xs), y = whole_numbers("y", ys);
+        if (x.size() != y.size()) {
+          throw py::value_error("size of y is " + std::to_string(y.size()) +
+                                ", but must be that of x, " + std::to_string(x.size()));
+        }
+        const HashWords key = stream_key(
+            from_python<int>("light", light, kInt32), from_python<int>("species", species, kInt32),
+            from_python<int>("frame", frame, kInt32), from_python<int>("seed", seed, kInt32));
+        const int draw = from_python<int>("draw", draws, kInt32);
         py::array_t<std::uint32_t> words({x.size(), py::ssize_t{4}});
         for (py::ssize_t i = 0; i < x.size(); ++i) {
           const HashWords w = draw_words(key, x.data()[i], y.data()[i], draw);
@@ -24,58 +31,88 @@ void bind_functions(py::module_& module) {
       py::arg("x"), py::arg("y"), py::kw_only(), py::arg("light") = 0, py::arg("species") = 0,
       py::arg("frame") = 0, py::arg("seed") = 0, py::arg("draw") = 0,
       R"doc(The four random words (n, 4) of draw number `draw` at pixels (x, y), any 32-bit integers.)doc");
-  module.def("count_deviate", py::vectorize(&count_deviate<double>), py::arg("mean"),
-             py::arg("slots"), py::arg("uniform"),
-             R"doc(The count of sparkles for a uniform deviate in (0, 1].
-
-slots = 0: Poisson; slots = k: binomial with k places and the same mean.)doc");
-  module.def("normal_quantile", py::vectorize(&normal_quantile<double>), py::arg("probability"),
-             R"doc(The standard normal deviate at a probability in (0, 1].)doc");
   module.def(
-      "fresnel_transmittance", py::vectorize([](double cos_theta, double eta) {
-        return fresnel_transmittance(cos_theta, eta_cos_refracted(cos_theta, eta), eta);
-      }),
+      "count_deviate",
+      [](py::handle mean, py::handle slots, py::handle uniform) {
+        const Array<double> m = numbers("mean", mean), k = numbers("slots", slots),
+                            u = numbers("uniform", uniform);
+        require_broadcast("mean, slots and uniform", {m, k, u});
+        return py::vectorize([](double one_mean, double one_slots, double one_uniform) {
+          validate_count(one_mean, one_slots, one_uniform);
+          return count_deviate(one_mean, static_cast<int>(one_slots), one_uniform);
+        })(m, k, u);
+      },
+      py::arg("mean"), py::arg("slots"), py::arg("uniform"),
+      R"doc(The count of sparkles for a uniform deviate in (0, 1].
+
+slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same mean.)doc");
+  module.def(
+      "normal_quantile",
+      [](py::handle probability) {
+        return py::vectorize([](double p) {
+          validate_probability(p);
+          return normal_quantile(p);
+        })(numbers("probability", probability));
+      },
+      py::arg("probability"), R"doc(The standard normal deviate at a probability in (0, 1].)doc");
+  module.def(
+      "fresnel_transmittance",
+      [](py::handle cos_theta, py::handle eta) {
+        const Array<double> cosines = numbers("cos_theta", cos_theta), etas = numbers("eta", eta);
+        require_broadcast("cos_theta and eta", {cosines, etas});
+        return py::vectorize([](double cosine, double one_eta) {
+          validate_cosine(cosine);
+          validate_eta(one_eta);
+          return fresnel_transmittance(cosine, eta_cos_refracted(cosine, one_eta), one_eta);
+        })(cosines, etas);
+      },
       py::arg("cos_theta"), py::arg("eta"),
       R"doc(1 - r_eta: unpolarised transmittance at the outside cosine, 0 under total reflection.)doc");
   module.def(
       "orientation_density",
-      [](const Paint& paint, const Array<double>& beta) {
+      [](const Paint& paint, py::handle beta) {
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
         return py::vectorize([&](double angle) {
+          validate_beta(angle);
           const double half = std::sin(angle / 2);
           return orientation_density(density, half * half);
-        })(beta);
+        })(numbers("beta", beta));
       },
       py::arg("paint"), py::arg("beta"),
       R"doc(P(beta) of the paint's flakes, beta in rad, 0 to pi/2; P sin(beta) integrates to 1.)doc");
   module.def(
       "mean_projected_area",
-      [](const Paint& paint, const Array<double>& cos_theta) {
+      [](const Paint& paint, py::handle cos_theta) {
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
-        return py::vectorize([&](double cosine) { return mean_projected_area(density, cosine); })(
-            cos_theta);
+        return py::vectorize([&](double cosine) {
+          validate_cosine(cosine);
+          return mean_projected_area(density, cosine);
+        })(numbers("cos_theta", cos_theta));
       },
       py::arg("paint"), py::arg("cos_theta"),
       R"doc(<s>, the mean projected area of a flake of unit area along a ray of that cosine (binder).)doc");
   module.def(
       "flake_brdf",
-      [](const Paint& paint, const Array<double>& normal, const Array<double>& view,
-         const Array<double>& light) {
+      [](const Paint& paint, py::handle normals, py::handle views, py::handle lights) {
         metallic_paint::validate(paint);
-        for (const auto* array : {&normal, &view, &light}) {
-          if (array->ndim() != 2 || array->shape(1) != 3 || array->shape(0) != normal.shape(0)) {
-            throw py::value_error("normal, view and light must all have the shape (n, 3)");
-          }
-        }
+        const Array<double> normal = numbers("normal", normals), view = numbers("view", views),
+                            light = numbers("light", lights);
+        require_rows_of_3("normal", normal);
+        require_shape("view", view, {normal.shape(0), 3});
+        require_shape("light", light, {normal.shape(0), 3});
         const Layer<double> layer = make_layer<double>(paint);
         py::array_t<double> brdf({normal.shape(0), py::ssize_t{3}});
-        const auto row = [](const Array<double>& a, py::ssize_t i) {
-          return Vec3<double>{a.at(i, 0), a.at(i, 1), a.at(i, 2)};
+        const auto unit = [](const char* field, const Array<double>& a, py::ssize_t i) {
+          const Vec3<double> direction{a.at(i, 0), a.at(i, 1), a.at(i, 2)};
+          validate_direction(field, static_cast<std::size_t>(i), direction);
+          return direction;
         };
         for (py::ssize_t i = 0; i < normal.shape(0); ++i) {
-          const Rgb<double> f = flake_brdf(layer, row(normal, i), row(view, i), row(light, i));
+          const Vec3<double> n = unit("normal", normal, i), v = unit("view", view, i),
+                             l = unit("light", light, i);
+          const Rgb<double> f = flake_brdf(layer, n, v, l);
           double* out = brdf.mutable_data(i, 0);
           out[0] = f.x, out[1] = f.y, out[2] = f.z;
         }

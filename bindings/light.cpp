@@ -24,8 +24,14 @@ void bind_light(py::module_& module) {
 
 parallel: `vector` points to the light (any length above 0), `size` is the sine of its angular
 radius, 0 to 1. positional: `vector` is the centre and `size` the radius, in scene units.)doc")
-      .def(py::init([](LightKind kind, std::array<double, 3> vector, double size) {
-             const Light<double> light{kind, {vector[0], vector[1], vector[2]}, size};
+      .def(py::init([](py::handle kind, py::handle vector, py::handle size) {
+             const auto v =
+                 from_python<std::array<double, 3>>("light.vector", vector, kThreeNumbers);
+             const Light<double> light{
+                 from_python<LightKind>("light.kind", kind,
+                                        "LightKind.unused, .parallel or .positional"),
+                 {v[0], v[1], v[2]},
+                 from_python<double>("light.size", size, kNumber)};
              metallic_paint::validate(light);
              return light;
            }),

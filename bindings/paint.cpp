@@ -5,6 +5,9 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "module.h"
 
@@ -20,12 +23,33 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
+template <auto field>
+void def_field(py::class_<Paint>& cls, const char* name, const char* range) {
+  using T = std::remove_cvref_t<decltype(std::declval<Paint>().*field)>;
+  cls.def_property(
+      name, [](const Paint& p) { return p.*field; },
+      [name, range](Paint& p, py::handle v) { p.*field = from_python<T>(name, v, range); });
+}
+
 // A colour field as a tuple of three floats.
 template <Rgb<double> Paint::* field>
 void def_colour(py::class_<Paint>& cls, const char* name) {
   cls.def_property(
       name, [](const Paint& p) { return py::make_tuple((p.*field).x, (p.*field).y, (p.*field).z); },
-      [](Paint& p, Triple v) { p.*field = {v[0], v[1], v[2]}; });
+      [name](Paint& p, py::handle value) {
+        const Triple v = from_python<Triple>(name, value, kThreeNumbers);
+        p.*field = {v[0], v[1], v[2]};
+      });
+}
+
+std::vector<Rgb<double>> colours(const char* field, py::handle value) {
+  const Array<double> rows = numbers(field, value);
+  require_rows_of_3(field, rows);
+  std::vector<Rgb<double>> all;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    all.push_back({rows.at(i, 0), rows.at(i, 1), rows.at(i, 2)});
+  }
+  return all;
 }
 
 }  // namespace
@@ -60,7 +84,8 @@ Fields given as keywords are checked on construction, all fields again on use.)d
       .def(py::init([](const py::kwargs& fields) {
         py::object self = py::cast(Paint{});
         for (const auto& [name, value] : fields) {
-          if (!py::hasattr(self, name)) {
+          const py::object field = py::getattr(py::type::of<Paint>(), name, py::none());
+          if (!PyObject_TypeCheck(field.ptr(), &PyProperty_Type)) {
             throw py::type_error("Paint has no field " + py::cast<std::string>(name));
           }
           self.attr(name) = value;
@@ -71,20 +96,20 @@ Fields given as keywords are checked on construction, all fields again on use.)d
       }))
       .def(
           "validate", [](const Paint& p) { metallic_paint::validate(p); },
-          R"doc(Raises ValueError where a field is out of its range.)doc")
-      .def_readwrite("flakes_per_mm2", &Paint::flakes_per_mm2)
-      .def_readwrite("flake_diameter_um", &Paint::flake_diameter_um)
-      .def_readwrite("flake_area_spread", &Paint::flake_area_spread)
-      .def_readwrite("orientation", &Paint::orientation)
-      .def_readwrite("tilt", &Paint::tilt)
-      .def_readwrite("flake_spread", &Paint::flake_spread)
-      .def_readwrite("binder_ior", &Paint::binder_ior)
-      .def_readwrite("layer_thickness_um", &Paint::layer_thickness_um)
-      .def_readwrite("rayleigh_per_mm", &Paint::rayleigh_per_mm)
-      .def_readwrite("depth_model", &Paint::depth_model)
-      .def_readwrite("radiometry", &Paint::radiometry)
-      .def_readwrite("seed", &Paint::seed)
-      .def_readwrite("frame", &Paint::frame);
+          R"doc(Raises ValueError where a field is out of its range.)doc");
+  def_field<&Paint::flakes_per_mm2>(paint, "flakes_per_mm2", kNumber);
+  def_field<&Paint::flake_diameter_um>(paint, "flake_diameter_um", kNumber);
+  def_field<&Paint::flake_area_spread>(paint, "flake_area_spread", kNumber);
+  def_field<&Paint::orientation>(paint, "orientation", "Orientation.gaussian, .beckmann or .ggx");
+  def_field<&Paint::tilt>(paint, "tilt", kNumber);
+  def_field<&Paint::flake_spread>(paint, "flake_spread", kNumber);
+  def_field<&Paint::binder_ior>(paint, "binder_ior", kNumber);
+  def_field<&Paint::layer_thickness_um>(paint, "layer_thickness_um", kNumber);
+  def_field<&Paint::rayleigh_per_mm>(paint, "rayleigh_per_mm", kNumber);
+  def_field<&Paint::depth_model>(paint, "depth_model", "DepthModel.attenuated or .thinned");
+  def_field<&Paint::radiometry>(paint, "radiometry", "Radiometry.exact or .published");
+  def_field<&Paint::seed>(paint, "seed", kInt32);
+  def_field<&Paint::frame>(paint, "frame", kInt32);
   def_colour<&Paint::flake_color>(paint, "flake_color");
   def_colour<&Paint::flake_edge_color>(paint, "flake_edge_color");
   def_colour<&Paint::flake_transmission>(paint, "flake_transmission");
@@ -95,12 +120,9 @@ Fields given as keywords are checked on construction, all fields again on use.)d
       R"doc(Reflectance and transmittance of a flake, RGB, at cos(alpha) = 0, 1/(n-1), ..., 1.
 
 2 to 4096 rows, linear in between; each value and each sum of the two from 0 to 1.)doc")
-      .def(py::init([](const std::vector<Triple>& reflectance,
-                       const std::vector<Triple>& transmittance) {
-             CoatingTable<double> table;
-             for (const Triple& r : reflectance) table.reflectance.push_back({r[0], r[1], r[2]});
-             for (const Triple& t : transmittance)
-               table.transmittance.push_back({t[0], t[1], t[2]});
+      .def(py::init([](py::handle reflectance, py::handle transmittance) {
+             const CoatingTable<double> table{colours("coating.reflectance", reflectance),
+                                              colours("coating.transmittance", transmittance)};
              metallic_paint::validate(table);
              return table;
            }),

@@ -35,11 +35,8 @@ void parallel_for(std::size_t count, const Work& work) {
   run();
 }
 
-inline constexpr int kLightSlots = 8;
-
-// What the shader finds for all light slots at one point. Lights too close together to be told
-// apart share the cone of the first of them, the leader; a leader leads itself, an unseen light
-// leads nothing (-1).
+// What the shader finds for all light slots at one point. leader: see group_lights; -1 for a light
+// that is unused or below the horizon. At most kLightSlots lights.
 template <class T>
 struct SlotView {
   std::array<SeenLight<T>, kLightSlots> seen;
@@ -49,18 +46,16 @@ struct SlotView {
 template <class T>
 SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point) {
   SlotView<T> slots;
+  const int count = std::min(static_cast<int>(lights.size()), kLightSlots);
   slots.leader.fill(-1);
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    slots.seen[i] = see_light(lights[i], point.position);
-    if (!slots.seen[i].visible || !(dot(point.normal, slots.seen[i].direction) > 0)) continue;
-    slots.leader[i] = static_cast<int>(i);
-    for (std::size_t j = 0; j < i; ++j) {
-      if (slots.leader[j] == static_cast<int>(j) && lights_overlap(slots.seen[i], slots.seen[j])) {
-        slots.leader[i] = static_cast<int>(j);
-        break;
-      }
+  for (int i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    slots.seen[at] = see_light(lights[at], point.position);
+    if (slots.seen[at].visible && dot(point.normal, slots.seen[at].direction) > 0) {
+      slots.leader[at] = i;
     }
   }
+  group_lights(slots.seen.data(), slots.leader.data(), count);
   return slots;
 }
 
@@ -84,8 +79,8 @@ struct PixelResults {
   double* variance;       // n x lights x 3
 };
 
-// Throws std::invalid_argument that names the array, the row and the value.
-void validate(const PixelBatch& batch);
+// Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
+void validate(const PixelBatch& batch, std::size_t lights = 0);
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference.
 template <class T>

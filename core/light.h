@@ -55,16 +55,54 @@ SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
   return seen;
 }
 
-// Whether the discs of two lights, widened by the least gap, overlap: the chord between the
-// directions against the chord of the sum of angles, sin(a + b) = sin a cos b + cos a sin b at half
-// angles.
+// Angles by their half chord: exact for small and large ones alike.
 template <class T>
-bool lights_overlap(const SeenLight<T>& a, const SeenLight<T>& b) {
-  const Vec3<T> chord = a.direction - b.direction;
-  const T sine = std::sqrt(a.sin2_half_radius) * std::sqrt(1 - b.sin2_half_radius) +
-                 std::sqrt(b.sin2_half_radius) * std::sqrt(1 - a.sin2_half_radius);
-  const T reach = 2 * sine + T(kLeastGap);
-  return dot(chord, chord) < reach * reach;
+T angular_radius(const SeenLight<T>& light) {
+  return std::numbers::pi_v<T> - 2 * arccosine(std::sqrt(light.sin2_half_radius));
+}
+template <class T>
+T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {
+  const T half_chord = std::min(T(0.5) * length(a.direction - b.direction), T(1));
+  return std::numbers::pi_v<T> - 2 * arccosine(half_chord);
+}
+
+inline constexpr int kLightSlots = 8;
+
+// Half-angle of the cone about the leader that holds all lights of its group.
+template <class T>
+T group_reach(const SeenLight<T>* seen, const int* leader, int count, int group) {
+  T reach = angular_radius(seen[group]);
+  for (int i = 0; i < count; ++i) {
+    if (leader[i] != group || i == group) continue;
+    reach = std::max(reach, angle_between(seen[group], seen[i]) + angular_radius(seen[i]));
+  }
+  return reach;
+}
+
+// Lights that no two cones can tell apart share the cone, and so the sparkles, of the first of
+// them, the leader. Groups are joined until no group's cone comes within the least gap of another
+// group's light. leader[i] is the index of light i's leader; -1 on entry marks a light that is not
+// there.
+template <class T>
+void group_lights(const SeenLight<T>* seen, int* leader, int count) {
+  bool joined = true;
+  while (joined) {  // each pass but the last joins two groups: at most `count` passes
+    joined = false;
+    for (int group = 0; group < count && !joined; ++group) {
+      if (leader[group] != group) continue;
+      const T reach = group_reach(seen, leader, count, group) + T(kLeastGap);
+      for (int i = 0; i < count && !joined; ++i) {
+        if (leader[i] < 0 || leader[i] == group) continue;
+        if (angle_between(seen[group], seen[i]) - angular_radius(seen[i]) >= reach) continue;
+        const int first = std::min(group, leader[i]);
+        const int second = std::max(group, leader[i]);
+        for (int k = 0; k < count; ++k) {
+          if (leader[k] == second) leader[k] = first;
+        }
+        joined = true;
+      }
+    }
+  }
 }
 
 }  // namespace metallic_paint

@@ -2,6 +2,9 @@
 #include "paint.h"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -11,20 +14,45 @@
 namespace metallic_paint {
 namespace {
 
+std::string text(double value, int digits = 9) {
+  std::ostringstream stream;
+  stream.precision(digits);
+  stream << value;
+  return stream.str();
+}
+
+[[noreturn]] void reject(const std::string& field, const std::string& value,
+                         const std::string& range) {
+  throw std::invalid_argument(field + " is " + value + ", but must be " + range);
+}
+
 [[noreturn]] void reject(const std::string& field, double value, const std::string& range) {
-  std::ostringstream message;
-  message.precision(9);
-  message << field << " is " << value << ", but must be " << range;
-  throw std::invalid_argument(message.str());
+  reject(field, text(value), range);
 }
 
 void require_range(const std::string& field, double value, double least, double most,
                    const std::string& unit = "") {
   if (value >= least && value <= most) return;  // false for NaN
-  std::ostringstream range;
-  range.precision(9);
-  range << "from " << least << " to " << most << unit;
-  reject(field, value, range.str());
+  std::string shown = text(value);
+  // All digits where these are those of the limit that the value misses.
+  if (shown == text(least) || shown == text(most)) shown += " (" + text(value, 17) + ")";
+  reject(field, shown, "from " + text(least) + " to " + text(most) + unit);
+}
+
+bool is_whole(double value, double least, double most) {
+  return value >= least && value <= most && value == std::floor(value);
+}
+
+void require_uniform(const std::string& field, double value) {
+  if (value > 0 && value <= 1) return;
+  reject(field, text(value, 17), "above 0 and at most 1");
+}
+
+// Vectors come as floats: unit length to a thousandth.
+bool is_unit(double square) { return std::abs(square - 1) < 2e-3; }
+
+std::string at_row(const std::string& field, std::size_t row) {
+  return field + "[" + std::to_string(row) + "]";
 }
 
 void require_colour(const std::string& field, Rgb<double> value, double most,
@@ -111,13 +139,40 @@ void validate(const CoatingTable<double>& table) {
   }
 }
 
-void validate(const PixelBatch& batch) {
-  // Normals and views come as floats: unit length to a thousandth, or all zero for a pixel without
-  // surface.
+void validate_count(double mean, double slots, double uniform) {
+  require_range("mean", mean, 0, std::numeric_limits<double>::infinity());
+  if (!is_whole(slots, 0, kPoissonSlots)) {
+    reject("slots", text(slots, 17), "a whole number from 0 to " + std::to_string(kPoissonSlots));
+  }
+  require_uniform("uniform", uniform);
+}
+
+void validate_probability(double probability) { require_uniform("probability", probability); }
+
+void validate_cosine(double cos_theta) { require_range("cos_theta", cos_theta, 0, 1); }
+
+void validate_eta(double eta) { require_range("eta", eta, 0.1, 10); }
+
+void validate_beta(double beta) { require_range("beta", beta, 0, std::numbers::pi / 2, " rad"); }
+
+void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction) {
+  const double square = dot(direction, direction);
+  if (is_unit(square)) return;
+  reject("length of " + at_row(field, row), std::sqrt(square), "1 to a thousandth");
+}
+
+void validate_int32(const std::string& field, std::size_t row, double value) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  if (is_whole(value, Limits::min(), Limits::max())) return;
+  reject(at_row(field, row), text(value, 17), "a whole number from -2^31 to 2^31 - 1");
+}
+
+void validate(const PixelBatch& batch, std::size_t lights) {
+  // All zero: a pixel without surface.
   const auto require_unit = [](const char* name, const double* v, std::size_t row) {
     const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if (square == 0 || std::abs(square - 1) < 2e-3) return;
-    reject("length of " + std::string(name) + "[" + std::to_string(row) + "]", std::sqrt(square),
+    if (square == 0 || is_unit(square)) return;
+    reject("length of " + at_row(name, row), std::sqrt(square),
            "1 to a thousandth, or 0 where there is no surface");
   };
   for (std::size_t i = 0; i < batch.size; ++i) {
@@ -128,6 +183,11 @@ void validate(const PixelBatch& batch) {
     require_unit("normal", batch.normal + 3 * i, i);
     require_unit("view", batch.view + 3 * i, i);
     require_range("footprint" + row, batch.footprint[i], 0, 1e30, " m2");
+    if (batch.slant == nullptr) continue;
+    const std::string slant_depth = "slant_depth" + row;
+    for (std::size_t k = 3 * lights * i; k < 3 * lights * (i + 1); ++k) {
+      require_range(slant_depth, batch.slant[k], 0, 1e30);
+    }
   }
 }
 

@@ -4,8 +4,10 @@
 // The parameters are those of osl/metallic_paint.osl, one for one.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <string>
 
 #include "sparkles.h"
 
@@ -37,6 +39,15 @@ struct Paint {
 void validate(const Paint& paint);
 void validate(const Light<double>& light);
 void validate(const CoatingTable<double>& table);
+
+// Likewise, for the arguments of single functions of the model.
+void validate_count(double mean, double slots, double uniform);
+void validate_probability(double probability);
+void validate_cosine(double cos_theta);
+void validate_eta(double eta);
+void validate_beta(double beta);
+void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction);
+void validate_int32(const std::string& field, std::size_t row, double value);
 
 // The paint as the evaluation needs it; the operations are the shader's. `paint` must be valid.
 template <class T>

@@ -16,8 +16,11 @@ namespace metallic_paint {
 // 2e-6) and takes at most 100 steps.
 inline constexpr int kPoissonClosedForm = 32;
 
-// Means above this are clamped: a float still squares them.
-inline constexpr double kMaxMeanCount = 1e18;
+// Inversion never needs as many steps (93 seen): a bound for what is no number.
+inline constexpr int kMostSteps = 128;
+
+// Means above this count as this: a float still holds their sum with the deviate.
+inline constexpr double kMaxMeanCount = 1e36;
 
 // The count N of sparkles for a uniform deviate u in (0, 1]; u near 0 gives the large counts, whose
 // small probabilities are resolved there. slots = 0: Poisson. slots = k > 0: binomial, k places for
@@ -61,7 +64,7 @@ T count_deviate(T mean, int slots, T u) {
     T term = exponential(-mean);
     T survival = mean * mean_transmittance(mean);
     T n = 0;
-    while (u < survival) {
+    while (u < survival && n < T(kMostSteps)) {
       n = n + 1;
       term = term * mean / n;
       const T next = survival - term;

@@ -18,7 +18,8 @@ int pixel_coordinate(float raster)
 
 // Perspective and orthographic cameras: with the camera-space point c and pixels s_x, s_y per unit length across the view at its
 // depth, an area A facing along V covers A |V_z|/|V| s_x s_y pixels; a tilted one 1/cos(theta) as much area.
-// Everywhere else (seen in a mirror, other cameras) the ray differentials, corrected by 1/cos(theta).
+// n is the shading normal: the count of a coarse, smooth mesh does not show its facets, and the mean radiance does not
+// depend on the area at all. Everywhere else (seen in a mirror, other cameras) the ray differentials, corrected by 1/cos(theta).
 Pixel find_pixel(point position, vector n, vector view)
 {
   Pixel pixel;

@@ -40,11 +40,50 @@ SeenLight see_light(int kind, vector where, float size, point position)
   return seen;
 }
 
-int lights_overlap(SeenLight a, SeenLight b)
+float angular_radius(SeenLight light)
+{
+  return M_PI - 2.0 * arccosine(sqrt(light.sin2_half_radius));
+}
+
+float angle_between(SeenLight a, SeenLight b)
 {
   vector chord = a.direction - b.direction;
-  float sine = sqrt(a.sin2_half_radius) * sqrt(1.0 - b.sin2_half_radius) +
-               sqrt(b.sin2_half_radius) * sqrt(1.0 - a.sin2_half_radius);
-  float reach = 2.0 * sine + LEAST_GAP;
-  return inner_product(chord, chord) < reach * reach;
+  float half_chord = min(0.5 * sqrt(inner_product(chord, chord)), 1.0);
+  return M_PI - 2.0 * arccosine(half_chord);
+}
+
+float group_reach(SeenLight seen[8], int leader[8], int count, int group)
+{
+  float reach = angular_radius(seen[group]);
+  for (int i = 0; i < count; ++i) {
+    if (leader[i] == group && i != group)
+      reach = max(reach, angle_between(seen[group], seen[i]) + angular_radius(seen[i]));
+  }
+  return reach;
+}
+
+// `leader` arrives as leader[i] = i: here every light is there.
+void group_lights(SeenLight seen[8], output int leader[8], int count)
+{
+  int joined = 1;
+  while (joined) {
+    joined = 0;
+    for (int group = 0; group < count && !joined; ++group) {
+      if (leader[group] == group) {
+        float reach = group_reach(seen, leader, count, group) + LEAST_GAP;
+        for (int i = 0; i < count && !joined; ++i) {
+          if (leader[i] != group &&
+              angle_between(seen[group], seen[i]) - angular_radius(seen[i]) < reach) {
+            int first = min(group, leader[i]);
+            int second = max(group, leader[i]);
+            for (int k = 0; k < count; ++k) {
+              if (leader[k] == second)
+                leader[k] = first;
+            }
+            joined = 1;
+          }
+        }
+      }
+    }
+  }
 }

@@ -6,7 +6,8 @@
 #include "elementary.h"
 
 #define POISSON_CLOSED_FORM 32.0
-#define MAX_MEAN_COUNT 1e18
+#define MAX_MEAN_COUNT 1e36
+#define MOST_STEPS 128.0
 
 float count_deviate(float mean, int slots, float deviate)
 {
@@ -45,7 +46,7 @@ float count_deviate(float mean, int slots, float deviate)
     float term = exponential(-mean);
     float survival = mean * mean_transmittance(mean);
     float n = 0.0;
-    while (deviate < survival) {
+    while (deviate < survival && n < MOST_STEPS) {
       n = n + 1.0;
       term = term * mean / n;
       float next = survival - term;

@@ -220,6 +220,7 @@ def set_up_studio(scene: bpy.types.Scene) -> None:
     scene.cycles.samples = STUDIO_SAMPLES
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.max_bounces = 4
+    scene.cycles.sample_clamp_indirect = 1  # sparkles that the floor mirrors would be fireflies
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.view_settings.view_transform = VIEW_TRANSFORM
 

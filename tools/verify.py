@@ -26,6 +26,7 @@ LEAST_SAME_COUNT = 0.9999
 STANDARD_ERRORS = 4.0  # two-sided: passed by chance once in 16,000
 VARIANCE_ERROR = 0.05
 JOINT_SAMPLES = 64
+LEAST_BY_CHANCE = 100  # pixels, for a sum near enough to normal
 
 
 @dataclasses.dataclass
@@ -64,7 +65,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     slots = verify.core_lights()
     names = lights.fill(scene).slots
     label = f"{blender()}, {spec.name}"
-    report = check_camera(label, scene, geometry)
+    report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)
 
     for light, lamp in enumerate(names):
         comparison, sums, shown = None, Sums.zero(), None
@@ -99,6 +100,8 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
         report += check_irradiance(where, spec, scene.objects[lamp], geometry, irradiance, faces)
         core = np.zeros_like(picture)
         core[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
+        leader = int(predicted["leader"][:, light].max())
+        report += check_by_chance(where, probe, lamp, leader, comparison, irradiance)
         title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
         write_comparison(out / f"{slug(title)}.png", picture, core)
     if len(names) > 1:
@@ -153,7 +156,7 @@ def judge(where: str, comparison: verify.Comparison, sums: Sums) -> list[bars.Ba
     c = comparison
     print(f"  {where}: {c.pixels} pixels, another count in {c.pixels - c.same_count} "
           f"(pixel edge {c.at_pixel_edge}, threshold {c.at_threshold}, "
-          f"unexplained {c.unexplained}), {c.by_chance} below Cycles' least weight",
+          f"unexplained {c.unexplained}), {int(c.by_chance.sum())} below Cycles' least weight",
           flush=True)  # fmt: skip
     error = c.radiance_error if c.radiance_error.size else np.array([np.inf])
     return [
@@ -197,6 +200,47 @@ def check_camera(label: str, scene: bpy.types.Scene, geometry: verify.Geometry) 
                      float(np.quantile(np.abs(geometry.footprint[hit] / footprint - 1)[facing],
                                        0.999)), 1e-3),
     ]  # fmt: skip
+
+
+def check_passes(label: str, probe: verify.Probe, geometry: verify.Geometry) -> list[bars.Bar]:
+    """The places that the core is given against Cycles' own Position and Normal passes."""
+    position, normal = probe.passes()
+    hit = geometry.hit
+    extent = np.abs(geometry.position[hit]).max()
+    off = np.abs(position[hit] - geometry.position[hit]).max() / extent
+    turned = np.abs(normal[hit] - geometry.normal[hit]).max()
+    return [
+        bars.at_most(f"{label}: position off Cycles' pass, of the scene's extent", off, 1e-6),
+        bars.at_most(f"{label}: normal off Cycles' pass", turned, 1e-6),
+    ]
+
+
+def check_by_chance(
+    where: str,
+    probe: verify.Probe,
+    lamp: str,
+    leader: int,
+    comparison: verify.Comparison,
+    irradiance: np.ndarray,
+) -> list[bars.Bar]:
+    """Pixels below Cycles' least weight are kept by lot: few, and right on average.
+
+    Both pictures have the same samples; the lots are independent from pixel to pixel.
+    """
+    dim = comparison.by_chance
+    report = [bars.at_most(f"{where}: share of pixels kept by lot", dim.mean(), 0.05)]
+    if dim.sum() < LEAST_BY_CHANCE:
+        return report
+    probe.scene.cycles.samples = JOINT_SAMPLES
+    found = probe.lit_by([lamp], verify.SPARKLES)[dim]
+    expected = probe.image(verify.RADIANCE, leader)[dim] * irradiance[dim]
+    probe.scene.cycles.samples = 1
+    off = (found - expected).sum(axis=-1)
+    report.append(
+        bars.at_most(f"{where}: sum of the pixels kept by lot, standard errors",
+                     abs(off.sum()) / np.sqrt((off**2).sum()), STANDARD_ERRORS)
+    )  # fmt: skip
+    return report
 
 
 def slug(name: str) -> str:

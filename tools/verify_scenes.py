@@ -110,6 +110,10 @@ SCENES = (
           seeds=2),
     Scene("two suns in one another", (sun("Sun", 60, 110, 0.53), sun("Sun two", 60.1, 110, 0.53)),
           seeds=2),
+    Scene("three suns in a row", (sun("Sun A", 60, 110, 0.3), sun("Sun B", 60.3, 110, 0.3),
+          sun("Sun C", 60.6, 110, 0.3))),
+    Scene("a group between two suns", (sun("Sun A", 60, 110, 0.1), sun("Sun B", 60.2, 110, 0.2),
+          sun("Sun C", 59.75, 110, 0.1), sun("Sun D", 62, 110, 0.1)), seeds=2),
     Scene("a sun below the horizon", (SUN, sun("Under", -20, 40, 0.53)), seeds=2),
     Scene("eight lights", tuple(sun(f"Sun {i}", 45 + 4 * i, 60 + 14 * i, 0.1 * i)
           for i in range(8)), shape="sphere", scale=(0.2, 0.2, 0.2), width=0.3, seeds=2),

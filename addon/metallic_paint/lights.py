@@ -79,7 +79,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     left_out = _instances(layers, matrices)
     for light in [light for light in matrices if light.data.type not in _KINDS]:
         del matrices[light]
-        left_out[light.name] = "an area light lights the paint's mean"
+        left_out[light.name] = "an area light makes no sparkles"
     lights = sorted(matrices, key=lambda light: light.name)
     if len(lights) > SLOTS:
         irradiance = _irradiances(matrices, _painted_boxes(layers))

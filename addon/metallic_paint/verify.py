@@ -25,7 +25,7 @@ from .paint import Paint
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
-IRRADIANCE, SPARKLES, CONE = 10, 11, 12
+IRRADIANCE, SPARKLES, CONE, SOUND = 10, 11, 12, 13
 LIT = (IRRADIANCE, SPARKLES)  # surfaces under the lamps; the others are values to emit
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
@@ -64,7 +64,7 @@ class Comparison:
     at_threshold: int  # another count, because the draw lies on a step within rounding
     unexplained: int
     radiance_error: np.ndarray  # relative, of the pixels with the same count and any radiance
-    by_chance: int  # pixels so dim that Cycles would drop them: kept by roulette, not compared
+    by_chance: np.ndarray  # (h, w) bool: so dim that Cycles would drop them, kept by lot instead
 
 
 def make_noiseless(scene: bpy.types.Scene) -> None:
@@ -83,6 +83,12 @@ def make_noiseless(scene: bpy.types.Scene) -> None:
 
 def render(scene: bpy.types.Scene) -> np.ndarray:
     """(h, w, 3) float32, linear."""
+    channels = render_channels(scene)
+    return np.stack([channels[c] for c in "RGB"], axis=-1)
+
+
+def render_channels(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+    """Every channel (h, w) float32 of the EXR that the scene renders to, by its name there."""
     import OpenImageIO
 
     with tempfile.TemporaryDirectory() as folder:
@@ -90,8 +96,16 @@ def render(scene: bpy.types.Scene) -> np.ndarray:
         scene.render.filepath = str(path)
         with (Path(folder) / "chatter").open("wb") as chatter, shader.output_into(chatter):
             bpy.ops.render.render(write_still=True, scene=scene.name)
-        pixels = OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.FLOAT)
-    return np.ascontiguousarray(pixels[::-1, :, :3])
+        channels, part = {}, 0
+        image = OpenImageIO.ImageBuf(str(path))
+        parts = image.nsubimages
+        while part < parts:
+            image = OpenImageIO.ImageBuf(str(path), part, 0)
+            pixels = image.get_pixels(OpenImageIO.FLOAT)[::-1]
+            for i, name in enumerate(image.spec().channelnames):
+                channels[name] = np.ascontiguousarray(pixels[..., i])
+            part += 1
+    return channels
 
 
 class Probe:
@@ -114,9 +128,7 @@ class Probe:
         try:
             if diagnostic in LIT:
                 return render(self.scene)
-            with contextlib.ExitStack() as stack:
-                for painted in self.materials:
-                    stack.enter_context(_emitting(painted))
+            with _all_emitting(self.materials):
                 return render(self.scene)
         finally:
             self.set("Diagnostic", 0)
@@ -134,6 +146,27 @@ class Probe:
             raster=self.image(RASTER)[..., :2],
         )
 
+    def passes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cycles' own Position and Normal passes (h, w, 3)."""
+        settings, layer = self.scene.render.image_settings, self.scene.view_layers[0]
+        layer.use_pass_position = layer.use_pass_normal = True
+        if hasattr(settings, "media_type"):  # Blender 5
+            settings.media_type = "MULTI_LAYER_IMAGE"
+        settings.file_format = "OPEN_EXR_MULTILAYER"
+        try:
+            with _all_emitting(self.materials):
+                channels = render_channels(self.scene)
+        finally:
+            if hasattr(settings, "media_type"):
+                settings.media_type = "IMAGE"
+            settings.file_format = "OPEN_EXR"
+            layer.use_pass_position = layer.use_pass_normal = False
+        found = [
+            np.stack([channels[f"{layer.name}.{name}.{c}"] for c in "XYZ"], axis=-1)
+            for name in ("Position", "Normal")
+        ]
+        return found[0], found[1]
+
     def lit_by(self, lamps: Iterable[str], diagnostic: int, light: int = 0) -> np.ndarray:
         """The picture with these lamps alone, every light slot as it was."""
         all_lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
@@ -145,6 +178,14 @@ class Probe:
         finally:
             for o, was in hidden.items():
                 o.hide_render = was
+
+
+@contextlib.contextmanager
+def _all_emitting(materials: list[bpy.types.Material]) -> Iterator[None]:
+    with contextlib.ExitStack() as stack:
+        for painted in materials:
+            stack.enter_context(_emitting(painted))
+        yield
 
 
 @contextlib.contextmanager
@@ -230,6 +271,8 @@ def compare(
     lit = same & (radiance.max(axis=-1) > 0)
     by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
     lit &= ~by_chance
+    chance = np.zeros_like(hit)
+    chance[hit] = by_chance
     error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
     return Comparison(
         pixels=int(hit.sum()),
@@ -238,7 +281,7 @@ def compare(
         at_threshold=int(threshold.sum()),
         unexplained=int((~same & ~edge & ~threshold).sum()),
         radiance_error=error,
-        by_chance=int(by_chance.sum()),
+        by_chance=chance,
     )
 
 

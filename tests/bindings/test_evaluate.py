@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import re
+import reprlib
+from collections.abc import Callable
 from typing import Any
 
 import metallic_paint_core as core
@@ -23,6 +26,16 @@ def scene(n: int = 5, **changes: Any) -> dict[str, Any]:  # noqa: ANN401
         "footprint": np.full(n, 1e-7),
         "pixel": pixel,
     } | changes
+
+
+def pixels(bad: float) -> np.ndarray:
+    return np.array([[0, 0], [1, 0], [2, 0], [3, bad], [4, 0]])
+
+
+def slants(bad: float) -> np.ndarray:
+    depth = np.zeros((5, 1, 3))
+    depth[4, 0, 2] = bad
+    return depth
 
 
 def test_shapes_follow_pixels_and_lights() -> None:
@@ -113,24 +126,216 @@ def test_a_bad_paint_is_named(changes: dict[str, Any], message: str) -> None:
         core.evaluate(paint, [SUN], **scene())
 
 
-def test_an_unknown_field_is_named() -> None:
-    with pytest.raises(TypeError, match="Paint has no field sparkle"):
-        core.Paint(sparkle=1)
+@pytest.mark.parametrize("name", ["sparkle", "validate", "__doc__", "__class__"])
+def test_an_unknown_field_is_named(name: str) -> None:
+    with pytest.raises(TypeError, match=f"Paint has no field {name}"):
+        core.Paint(**{name: 1})
+
+
+WHOLE = r"a whole number from -2\^31 to 2\^31 - 1"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        (name, value, message)
+        for names, values, message in [
+            (("seed", "frame"), (2**40, -(2**31) - 1, 1.5, np.float32(1.5), "a", None), WHOLE),
+            (("orientation",), (5, "ggx", None, core.DepthModel.thinned), "Orientation.gaussian"),
+            (("depth_model",), (5, "thinned", core.Orientation.ggx), "DepthModel.attenuated or"),
+            (("radiometry",), (5, "exact", core.Orientation.ggx), "Radiometry.exact or"),
+            (
+                (
+                    "flakes_per_mm2",
+                    "flake_diameter_um",
+                    "flake_area_spread",
+                    "tilt",
+                    "flake_spread",
+                    "binder_ior",
+                    "layer_thickness_um",
+                    "rayleigh_per_mm",
+                ),
+                ("a", None, (1, 2), 1j),
+                "a number",
+            ),
+            (
+                (
+                    "flake_color",
+                    "flake_edge_color",
+                    "flake_transmission",
+                    "binder_absorption_per_mm",
+                ),
+                ((1, 2), (1, 2, 3, 4), "abc", ("a", 1, 1), 0.5, None),
+                "three numbers",
+            ),
+        ]
+        for name in names
+        for value in values
+    ],
+)
+def test_a_field_of_a_wrong_kind_is_named(name: str, value: object, message: str) -> None:
+    message = rf"^{name} is {re.escape(reprlib.repr(value))}, but must be {message}"
+    with pytest.raises(ValueError, match=message):
+        core.Paint(**{name: value})
+    with pytest.raises(ValueError, match=message):
+        setattr(core.Paint(), name, value)
+
+
+def test_every_field_takes_its_own_value() -> None:
+    paint = core.Paint()
+    fields = [name for name, kind in vars(core.Paint).items() if isinstance(kind, property)]
+    assert len(fields) == 17
+    again = core.Paint(**{name: getattr(paint, name) for name in fields})
+    for name in fields:
+        assert getattr(again, name) == getattr(paint, name)
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"normal": np.zeros((4, 3))}, r"normal has the shape \(4, 3\), but must be \[5, 3\]"),
+        ({"normal": np.zeros((4, 3))}, r"normal has the shape \(4, 3\), but must be \(5, 3\)"),
         ({"view": np.full((5, 3), 1.0)}, r"length of view\[0\] is 1.73205081, but must be 1"),
         ({"footprint": np.array([1, 1, -1, 1, 1])}, r"footprint\[2\] is -1, but must be from 0"),
         ({"position": np.full((5, 3), np.nan)}, r"position\[0\] is nan"),
+        ({"position": "here"}, r"position is 'here', but must be an array of numbers"),
+        ({"position": [[0, 0], [0]]}, r"position is \[\[0, 0\], \[0\]\], but must be an array"),
+        ({"view": np.full((5, 3), 1j)}, r"view is array.*, but must be an array of numbers"),
+        ({"footprint": [[1.0]]}, r"footprint has the shape \(1, 1\), but must be one-dimensional"),
+        ({"footprint": 1.0}, r"footprint has the shape \(\), but must be one-dimensional"),
+        ({"pixel": pixels(0.5)}, r"pixel\[3\] is 0.5, but must be a whole number from -2\^31"),
+        ({"pixel": pixels(np.nan)}, r"pixel\[3\] is nan, but must be a whole number"),
+        ({"pixel": pixels(np.inf)}, r"pixel\[3\] is inf, but must be a whole number"),
+        ({"pixel": pixels(2.0**31)}, r"pixel\[3\] is 2147483648, but .* to 2\^31 - 1"),
+        ({"pixel": pixels(2**40)}, r"pixel\[3\] is 1099511627776, but must be a whole number"),
+        ({"pixel": pixels(2**70)}, r"pixel\[3\] is 1.18059162071741\d*e\+21, but must be a whole"),
+        ({"pixel": np.zeros((5, 3))}, r"pixel has the shape \(5, 3\), but must be \(5, 2\)"),
+        ({"slant_depth": slants(-1)}, r"slant_depth\[4\] is -1, but must be from 0 to 1e\+30"),
+        ({"slant_depth": slants(np.nan)}, r"slant_depth\[4\] is nan, but must be from 0 to 1e\+30"),
+        ({"slant_depth": slants(np.inf)}, r"slant_depth\[4\] is inf, but must be from 0 to 1e\+30"),
+        ({"slant_depth": np.zeros((5, 3))}, r"slant_depth has the shape \(5, 3\), but must be"),
         ({"precision": "half"}, r"precision is 'half', but must be 'float' or 'double'"),
     ],
 )
 def test_a_bad_array_is_named(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         core.evaluate(core.Paint(), [SUN], **scene(**changes))
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.int64, np.uint64, np.float32, np.float64, object])
+def test_whole_pixels_of_every_kind_are_the_same(kind: type) -> None:
+    pixel = np.array([[0, 1], [2, 3], [4, 5], [6, 7], [8, 9]])
+    want = core.evaluate(core.Paint(), [SUN], **scene(pixel=pixel))
+    found = core.evaluate(core.Paint(), [SUN], **scene(pixel=pixel.astype(kind)))
+    np.testing.assert_array_equal(found["radiance"], want["radiance"])
+
+
+def test_pixels_reach_the_ends_of_32_bits() -> None:
+    ends = [-(2.0**31), 2.0**31 - 1]
+    assert core.evaluate(core.Paint(), [SUN], **scene(1, pixel=[ends]))["count"].shape == (1, 1)
+
+
+NAN, INF = float("nan"), float("inf")
+UP = [[0, 0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "message"),
+    [
+        *(
+            (core.count_deviate, (mean, 0, 0.5), rf"mean is {mean:g}, but must be from 0 to inf")
+            for mean in (-1, NAN, -INF)
+        ),
+        *(
+            (core.count_deviate, (1, slots, 0.5), rf"slots is {text}, but must be .* from 0 to 16")
+            for slots, text in [
+                (-3, "-3"),
+                (17, "17"),
+                (1.5, "1.5"),
+                (2**40, "1099511627776"),
+                (NAN, "nan"),
+                (INF, "inf"),
+            ]
+        ),
+        *(
+            (function, (*before, value), rf"{name} is {value:g}, but must be above 0 and at most 1")
+            for function, before, name in [
+                (core.count_deviate, (1, 0), "uniform"),
+                (core.normal_quantile, (), "probability"),
+            ]
+            for value in (0, -0.5, 1.5, NAN, INF)
+        ),
+        *(
+            (function, arguments(value), rf"cos_theta is {value:g}, but must be from 0 to 1")
+            for function, arguments in [
+                (core.fresnel_transmittance, lambda value: (value, 1.5)),
+                (core.mean_projected_area, lambda value: (core.Paint(), value)),
+            ]
+            for value in (-0.1, 1.1, NAN, INF)
+        ),
+        (
+            core.fresnel_transmittance,
+            (1 + 1e-15, 1.5),
+            r"cos_theta is 1 \(1.000000000000001\d*\), but",
+        ),
+        *(
+            (core.fresnel_transmittance, (1, eta), rf"eta is {eta:g}, but must be from 0.1 to 10")
+            for eta in (0, 0.05, 11, -1.5, NAN, INF)
+        ),
+        *(
+            (core.orientation_density, (core.Paint(), beta), rf"beta is {beta:g}, but .* to 1.5707")
+            for beta in (-0.1, 1.6, NAN, INF)
+        ),
+        (core.count_deviate, ("a", 0, 0.5), "mean is 'a', but must be an array of numbers"),
+        (core.count_deviate, (1, "a", 0.5), "slots is 'a', but must be an array of numbers"),
+        (core.count_deviate, (1, 0, 1j), "uniform is 1j, but must be an array of numbers"),
+        (core.normal_quantile, ("a",), "probability is 'a', but must be an array of numbers"),
+        (core.fresnel_transmittance, (1, "a"), "eta is 'a', but must be an array of numbers"),
+        (core.count_deviate, ([1, 1], [0] * 3, 1), r"mean, slots and uniform have the shapes"),
+        (core.fresnel_transmittance, ([1, 1], [1] * 3), r"cos_theta and eta have the shapes"),
+        *(
+            (
+                core.flake_brdf,
+                (core.Paint(), *(bad if name == field else UP for name in names)),
+                rf"length of {field}\[0\] is {length}, but must be 1 to a thousandth",
+            )
+            for names in [("normal", "view", "light")]
+            for field in names
+            for bad, length in [
+                ([[0, 0, 0]], "0"),
+                ([[0, 0, 1.01]], "1.01"),
+                ([[0, NAN, 1]], "nan"),
+                ([[0, INF, 1]], "inf"),
+            ]
+        ),
+        (core.flake_brdf, (core.Paint(), [0, 0, 1], UP, UP), r"normal has .* must be \(n, 3\)"),
+        (core.flake_brdf, (core.Paint(), UP, UP * 2, UP), r"view has .* must be \(1, 3\)"),
+        (core.hash_words, ([0, 0.5], [0, 0]), rf"x\[1\] is 0.5, but must be {WHOLE}"),
+        (core.hash_words, ([0, 0], [0, 2**31]), rf"y\[1\] is 2147483648, but must be {WHOLE}"),
+        (core.hash_words, ([0, 0], [0]), "size of y is 1, but must be that of x, 2"),
+    ],
+)
+def test_a_bad_argument_is_named(
+    function: Callable[..., object], arguments: tuple, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        function(*arguments)
+
+
+@pytest.mark.parametrize("name", ["light", "species", "frame", "seed", "draw"])
+@pytest.mark.parametrize("value", [2**40, 1.5, "a"])
+def test_a_bad_word_of_the_hash_is_named(name: str, value: object) -> None:
+    with pytest.raises(ValueError, match=rf"{name} is {value!r}, but must be {WHOLE}"):
+        core.hash_words([0], [0], **{name: value})
+
+
+def test_the_ends_of_the_ranges_are_in_range() -> None:
+    assert core.count_deviate(INF, 16, 1) == 16
+    assert np.isfinite(core.count_deviate([0, 1, 1e300], 0, 1e-15)).all()
+    assert np.isfinite(core.normal_quantile([1e-300, 1])).all()
+    assert np.isfinite(core.fresnel_transmittance([[0], [1]], [0.1, 1, 10])).all()
+    assert np.isfinite(core.orientation_density(core.Paint(), [0, np.pi / 2])).all()
+    assert np.isfinite(core.mean_projected_area(core.Paint(), [0, 1])).all()
+    assert np.isfinite(core.flake_brdf(core.Paint(), UP, [[0, 0, 1.0004]], UP)).all()
 
 
 def test_nine_lights_are_too_many() -> None:
@@ -144,11 +349,28 @@ def test_nine_lights_are_too_many() -> None:
         ((core.LightKind.parallel, (0, 0, 0), 0.1), "length of light.vector is 0"),
         ((core.LightKind.parallel, (0, 0, 1), 1.5), "light.size is 1.5, but must be from 0 to 1"),
         ((core.LightKind.positional, (0, 0, 1), -1), "light.size is -1, but must be from 0"),
+        ((7, (0, 0, 1), 0.1), "light.kind is 7, but must be LightKind.unused"),
+        ((core.LightKind.parallel, (0, 1), 0.1), r"light.vector is \(0, 1\), but must be three"),
+        ((core.LightKind.parallel, (0, 0, 1), "a"), "light.size is 'a', but must be a number"),
     ],
 )
 def test_a_bad_light_is_named(arguments: tuple, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         core.Light(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("reflectance", "transmittance", "message"),
+    [
+        ([[0.5] * 3], [[0.5] * 3], "size of the coating table is 1, but must be from 2 to 4096"),
+        ([[0.5] * 2] * 2, [[0.5] * 3] * 2, r"coating.reflectance has .*, but must be \(n, 3\)"),
+        ([[0.5] * 3] * 2, "a", "coating.transmittance is 'a', but must be an array of numbers"),
+        ([[0.5] * 3] * 2, [[NAN] * 3] * 2, r"coating.transmittance\[0\].r is nan, but must be"),
+    ],
+)
+def test_a_bad_coating_is_named(reflectance: object, transmittance: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        core.CoatingTable(reflectance, transmittance)
 
 
 def test_every_public_name_is_documented() -> None:

@@ -95,30 +95,52 @@ TEST(Light, UnusedAndUndirectedLightsAreNotSeen) {
   EXPECT_FALSE(see_light<float>({LightKind::parallel, {0, 0, 0}, 0.1f}, {}).visible);
 }
 
-TEST(Light, OverlapIsSymmetricAndBeginsWhereDiscsAndGapMeet) {
+TEST(Light, TwoLightsShareACone_WhereDiscsAndGapMeet) {
   Random random(61);
   for (int i = 0; i < 20'000; ++i) {
     const double a = random.log_uniform(1e-6, 0.5), b = random.log_uniform(1e-6, 0.5);
     const double phi = random.uniform(0, 6.28);
     const double apart = random.uniform(0, 2 * (a + b) + 2 * kLeastGap);
-    const auto first = sun<double>({0, 0, 1}, std::sin(a));
-    const auto second = sun<double>(
-        {std::sin(apart) * std::cos(phi), std::sin(apart) * std::sin(phi), std::cos(apart)},
-        std::sin(b));
-    const bool overlap = lights_overlap(first, second);
-    EXPECT_EQ(lights_overlap(second, first), overlap) << a << ' ' << b << ' ' << apart;
-    // The gap is a chord, next to an angle.
-    const Real reach = 2 * std::sin((Real(a) + b) / 2) + Real(kLeastGap);
-    const Real chord = 2 * std::sin(Real(apart) / 2);
-    if (std::fabs(chord - reach) > 1e-9L) {
-      EXPECT_EQ(overlap, chord < reach) << a << ' ' << b << ' ' << apart;
+    const std::array<SeenLight<double>, 2> seen = {
+        sun<double>({0, 0, 1}, std::sin(a)),
+        sun<double>(
+            {std::sin(apart) * std::cos(phi), std::sin(apart) * std::sin(phi), std::cos(apart)},
+            std::sin(b))};
+    std::array<int, 2> leader = {0, 1};
+    group_lights(seen.data(), leader.data(), 2);
+    if (std::abs(apart - (a + b + kLeastGap)) > 1e-9) {
+      EXPECT_EQ(leader[1], apart < a + b + kLeastGap ? 0 : 1) << a << ' ' << b << ' ' << apart;
     }
   }
 }
 
-TEST(Light, OneLightOverlapsItself) {
-  const auto light = sun<float>({0.6f, 0, 0.8f}, 0);
-  EXPECT_TRUE(lights_overlap(light, light));
+TEST(Light, NoGroupsConeMeetsAnotherGroupsLight) {
+  Random random(62);
+  for (int i = 0; i < 5'000; ++i) {
+    std::array<SeenLight<double>, 8> seen;
+    std::array<int, 8> leader;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double x = random.uniform(-0.05, 0.05), y = random.uniform(-0.05, 0.05);
+      seen[k] = sun<double>({x, y, std::sqrt(1 - x * x - y * y)}, random.log_uniform(1e-4, 0.01));
+      leader[k] = k == 5 ? -1 : static_cast<int>(k);  // one that is not there
+    }
+    group_lights(seen.data(), leader.data(), 8);
+    EXPECT_EQ(leader[5], -1);
+    for (int group = 0; group < 8; ++group) {
+      const auto g = static_cast<std::size_t>(group);
+      if (leader[g] != group) continue;
+      const double reach = group_reach(seen.data(), leader.data(), 8, group);
+      for (std::size_t k = 0; k < 8; ++k) {
+        if (leader[k] < 0) continue;
+        EXPECT_LE(leader[k], static_cast<int>(k));
+        EXPECT_EQ(leader[static_cast<std::size_t>(leader[k])], leader[k]);
+        if (leader[k] == group) continue;
+        EXPECT_GE(angle_between(seen[g], seen[k]) - angular_radius(seen[k]),
+                  reach + kLeastGap - 1e-12)
+            << "configuration " << i << " group " << group << " light " << k;
+      }
+    }
+  }
 }
 
 }  // namespace

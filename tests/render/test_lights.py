@@ -236,8 +236,8 @@ def test_an_area_light_has_no_slot_and_is_told(place: Place) -> None:
     place("AREA", "Softbox", energy=1e6)
     report = fill()
     assert report.slots == ()
-    assert report.left_out == {"Softbox": "an area light lights the paint's mean"}
-    assert str(report) == "no sparkles from Softbox: an area light lights the paint's mean"
+    assert report.left_out == {"Softbox": "an area light makes no sparkles"}
+    assert str(report) == "no sparkles from Softbox: an area light makes no sparkles"
 
 
 def test_a_light_that_does_not_render_has_no_slot(place: Place) -> None:
