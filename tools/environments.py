@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from processes import BUILD, ROOT, StepFailedError, run_step, say, stop_children_on_sigterm
+from processes import BUILD, ROOT, StepFailedError, run_program, run_step, say
 
 REQUIREMENTS = ROOT / "requirements"
 WHEEL_SOURCES = ("CMakeLists.txt", "VERSION", "pyproject.toml", "core", "bindings")
@@ -40,7 +40,7 @@ class Environment:
 
     @property
     def installed(self) -> Path:
-        """Holds the digest of what pip installed."""
+        """Holds the digest of what pip installed; only a whole environment has it."""
         return self.folder / ".requirements"
 
 
@@ -71,7 +71,7 @@ TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and lin
 
 
 def prepare_tools() -> None:
-    with _alone():
+    with alone():
         _install(TOOLS, Path(sys.executable), [])
 
 
@@ -82,7 +82,7 @@ def prepare(blender: Blender) -> None:
             f"Blender {blender.version} needs a Python {blender.python_version} with its venv "
             "module and its headers, and there is none here."
         )
-    with _alone():
+    with alone():
         _install(blender.environment, python, _build_requirements())
         _install_bindings(blender)
 
@@ -112,22 +112,28 @@ def _is_usable(python: Path, version: str) -> bool:
 
 
 @contextmanager
-def _alone() -> Iterator[None]:
-    """Keeps two runs in one tree from changing an environment at the same time."""
+def alone() -> Iterator[None]:
+    """Keeps two runs in one tree from changing build/ at the same time. It does not nest."""
     BUILD.mkdir(exist_ok=True)
     with (BUILD / ".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("Waiting for another run that is building here…")
+            fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
 
 def _install(environment: Environment, python: Path, extra: list[str]) -> None:
     digest = _digest(_with_included(environment.requirements), extra)
-    if environment.python.exists() and _is_current(environment.installed, digest):
+    whole = environment.python.exists() and environment.installed.is_file()
+    if whole and _is_current(environment.installed, digest):
         return
-    if environment.python.exists():
+    if whole:
         say(f"Bringing the packages of {environment.contents} up to date…")
     else:
         say(f"Installing {environment.contents}{environment.note}…")
+        environment.installed.unlink(missing_ok=True)
         run_step(
             f"Making the Python environment {environment.folder.name}",
             [python, "-m", "venv", "--clear", environment.folder],
@@ -195,9 +201,10 @@ def _is_current(stamp: Path, digest: str) -> bool:
     return stamp.is_file() and stamp.read_text() == digest
 
 
+def main() -> int:
+    prepare(FIRST_BLENDER)
+    return 0
+
+
 if __name__ == "__main__":
-    stop_children_on_sigterm()
-    try:
-        prepare(FIRST_BLENDER)
-    except StepFailedError as error:
-        sys.exit(str(error))
+    run_program(main)

@@ -7,9 +7,9 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, NoReturn
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
@@ -89,6 +89,33 @@ def describe(code: int) -> str:
     return f"exit code {code}"
 
 
-def stop_children_on_sigterm() -> None:
-    """Lets SIGTERM unwind like Ctrl-C, so that no child outlives us."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+class _InterruptedError(BaseException):
+    """Ctrl-C or SIGTERM; only run_program may catch it."""
+
+
+def run_program(main: Callable[[], int]) -> NoReturn:
+    """Exits with main's code; a failed step or an interruption ends with a sentence instead.
+
+    No child outlives us, however we are told to stop.
+    """
+    for number in _stop_signals():
+        signal.signal(number, _interrupt)
+    try:
+        sys.exit(main())
+    except StepFailedError as error:
+        sys.exit(str(error))
+    except _InterruptedError as interruption:
+        print("\nInterrupted.", file=sys.stderr)
+        sys.exit(128 + interruption.args[0])
+
+
+def _interrupt(number: int, _frame: object) -> None:
+    for each in _stop_signals():  # a second Ctrl-C must not stop the ending of the children
+        signal.signal(each, signal.SIG_IGN)
+    raise _InterruptedError(number)
+
+
+def _stop_signals() -> list[int]:
+    """Leaves alone what our starter ignores, as a shell does with Ctrl-C for its background."""
+    both = (signal.SIGINT, signal.SIGTERM)
+    return [number for number in both if signal.getsignal(number) != signal.SIG_IGN]

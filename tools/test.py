@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -20,9 +19,9 @@ from processes import (
     StepFailedError,
     describe,
     run_limited,
+    run_program,
     run_step,
     say,
-    stop_children_on_sigterm,
     tail,
 )
 
@@ -73,6 +72,11 @@ def core_group(folder: Path, sanitizers: str) -> Group:
 
 
 def _test_core(folder: Path, sanitizers: str) -> Outcome:
+    with environments.alone():
+        return _build_and_test_core(folder, sanitizers)
+
+
+def _build_and_test_core(folder: Path, sanitizers: str) -> Outcome:
     say("Building the core's tests…")
     options = ["-DMETALLIC_PAINT_WERROR=ON", f"-DMETALLIC_PAINT_SANITIZE={sanitizers}"]
     try:
@@ -186,8 +190,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    stop_children_on_sigterm()
-    try:
-        sys.exit(main())
-    except StepFailedError as error:
-        sys.exit(str(error))
+    run_program(main)

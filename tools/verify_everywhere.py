@@ -5,31 +5,35 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
-import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import environments
+from bars import Bar
 from processes import (
     BUILD,
     ROOT,
     StepFailedError,
     describe,
     run_limited,
+    run_program,
     say,
-    stop_children_on_sigterm,
 )
 
 SECONDS = 4 * 3600
-FIELDS = {"name", "value", "unit", "limit", "holds"}
+OUT = ROOT / "out" / "verify"
+FIELDS = {field.name for field in fields(Bar)}
 
 
-def verify(blender: environments.Blender, arguments: list[str]) -> tuple[int, list[dict]]:
+def verify(blender: environments.Blender, arguments: list[str]) -> tuple[int, list[Bar]]:
     """The exit code of one Blender's run and its part of the report."""
     part = BUILD / "verify" / f"blender-{blender.version}.json"
     part.parent.mkdir(parents=True, exist_ok=True)
     part.unlink(missing_ok=True)
-    out = ROOT / "out" / "verify" / f"blender-{blender.version}"
+    out = OUT / f"blender-{blender.version}"
     out.mkdir(parents=True, exist_ok=True)
     say(f"Verifying in Blender {blender.version}…")
     script = ROOT / "tools" / "verify.py"
@@ -38,7 +42,7 @@ def verify(blender: environments.Blender, arguments: list[str]) -> tuple[int, li
     return code, _read(part) if part.is_file() else []
 
 
-def _read(part: Path) -> list[dict]:
+def _read(part: Path) -> list[Bar]:
     bars = json.loads(part.read_text())
     for bar in bars:
         if bar.keys() != FIELDS:
@@ -46,7 +50,36 @@ def _read(part: Path) -> list[dict]:
                 f"{part.relative_to(ROOT)} holds a bar with the fields {sorted(bar)}; "
                 f"the report's form is {sorted(FIELDS)}."
             )
-    return bars
+    return [Bar(**bar) for bar in bars]
+
+
+def worst_table(report: Sequence[Bar]) -> Iterator[str]:
+    """The lines of a table: of each kind of quantity the worst value over all scenes."""
+    kinds: dict[tuple[str, float, str], list[Bar]] = {}
+    for bar in report:
+        kinds.setdefault((_quantity(bar), bar.limit, bar.unit), []).append(bar)
+    rows = [("quantity", "worst", "limit", "scene")]
+    for (quantity, limit, unit), bars in kinds.items():
+        worst = max(bars, key=_badness)
+        what, _, bound = quantity.rpartition(", ")
+        value = "not measured" if worst.value is None else f"{worst.value:.7g}"
+        of_unit = "" if unit == "1" else f" {unit}"
+        scene = worst.name.removesuffix(f": {quantity}")
+        rows.append((what, value, f"{bound} {limit:.7g}{of_unit}", scene))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
+        yield "  ".join(cells).rstrip()
+
+
+def _quantity(bar: Bar) -> str:
+    return bar.name.rpartition(": ")[2]
+
+
+def _badness(bar: Bar) -> float:
+    if bar.value is None:
+        return math.inf
+    return -bar.value if bar.name.endswith("at least") else bar.value
 
 
 def _make_folder(file: Path) -> None:
@@ -86,15 +119,17 @@ def main() -> int:
     if broken:
         raise StepFailedError(f"No whole report: the run failed in {', '.join(broken)}.")
     if file:
-        write_whole(file, json.dumps(report, indent=2) + "\n")
-    missed = [bar["name"] for bar in report if not bar["holds"]]
-    say(f"{len(report) - len(missed)} bars hold, {len(missed)} do not.")
+        write_whole(file, json.dumps([asdict(bar) for bar in report], indent=2) + "\n")
+    text = OUT / "report.txt"
+    write_whole(text, "".join(f"{bar}\n" for bar in report))
+    say("")
+    for line in worst_table(report):
+        say(line)
+    missed = sum(not bar.holds for bar in report)
+    say(f"\n{len(report) - missed} bars hold, {missed} do not.")
+    say(f"The value of each is in {text.relative_to(ROOT)}.")
     return 1 if missed else 0
 
 
 if __name__ == "__main__":
-    stop_children_on_sigterm()
-    try:
-        sys.exit(main())
-    except StepFailedError as error:
-        sys.exit(str(error))
+    run_program(main)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import OpenImageIO
 import pytest
 import render
 from mathutils import Vector
+from metallic_paint import presets
 
 TOOLS = Path(render.__file__).parent
 QUICK = ("--width", 64, "--samples", 1)
@@ -269,6 +271,14 @@ def test_the_picture_must_be_writable(out: Path, triangle: Path) -> None:
             file.mkdir()
         assert_fails(out, [triangle, "--paint", "copper", "--out", file], sentence)
     assert_fails(out, ["--out", out], "cannot be written", name="demo")
+
+
+def test_the_paints_that_the_help_names_exist() -> None:
+    script = (TOOLS.parent / "paint").read_text()
+    (text,) = re.findall(r"<<'TEXT'\n(.*?)\nTEXT\n", script, re.DOTALL)
+    named = set(re.findall(r"--paint +(\S+)", text)) - {"PRESET"}
+    assert named
+    assert named <= set(presets.names())
 
 
 def test_wrong_usage_has_a_code_of_its_own(out: Path, triangle: Path) -> None:
