@@ -80,7 +80,7 @@ def _place(
 
 SUN = sun("Sun", 60, 110, 0.53)
 SCENES = (
-    Scene("sun, plane, close", (SUN,), width=0.03, seeds=8),
+    Scene("sun, plane, close", (SUN,), width=0.06, seeds=8),
     Scene("sun, plane, far", (SUN,), distance=300, width=60),
     Scene("sun of no size, sphere, close", (sun("Sun", 60, 110),), shape="sphere",
           scale=(0.03, 0.03, 0.03), width=0.05, seeds=16),
@@ -98,7 +98,7 @@ SCENES = (
     Scene("published and thinned, sphere", (SUN,), shape="sphere", distance=5, width=1,
           scale=(0.5, 0.5, 0.5),
           paint=dataclasses.replace(CANDY, radiometry="published", depth_model="thinned")),
-    Scene("orthographic, plane, close", (SUN,), orthographic=True, width=0.03, seeds=8),
+    Scene("orthographic, plane, close", (SUN,), orthographic=True, width=0.06, seeds=8),
     Scene("orthographic, sphere, far", (SUN,), shape="sphere", orthographic=True, distance=50,
           width=16, scale=(8, 8, 8)),
     Scene("scaled and rotated mesh", (SUN,), shape="monkey", scale=(0.13, 0.05, 0.08),
