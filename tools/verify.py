@@ -25,7 +25,7 @@ SIZE = 256  # pixels along each side of a picture
 LEAST_SAME_COUNT = 0.9999
 STANDARD_ERRORS = 4.0  # two-sided: passed by chance once in 16,000
 VARIANCE_ERROR = 0.05
-JOINT_SAMPLES = 64
+JOINT_SAMPLES = 16
 LEAST_BY_CHANCE = 100  # pixels, for a sum near enough to normal
 
 
