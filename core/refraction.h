@@ -3,6 +3,7 @@
 // The binder's surface: Snell, Fresnel, and the transformation of cones (paper, 5.3.4).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "vector.h"
@@ -30,17 +31,43 @@ T fresnel_transmittance(T cos_theta, T g, T eta) {
   return 2 * product * (1 / (s * s) + eta * eta / (p * p));
 }
 
-// A unit vector that points away from the surface, refracted into the binder (paper, eq. 8):
-// v = V/eta + n (cos(theta_p) - cos(theta)/eta).
-template <class T>
-Vec3<T> refract_direction(Vec3<T> direction, Vec3<T> normal, T cos_theta, T g, T eta) {
-  return (direction + normal * (g - cos_theta)) / eta;
-}
-
 // d omega inside / d omega outside = cos(theta)/(eta^2 cos(theta_p)) (paper, eq. 7 squared).
 template <class T>
 T solid_angle_ratio(T cos_theta, T g, T eta) {
   return cos_theta / (eta * g);
+}
+
+// Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
+template <class T>
+struct Mirror {
+  bool possible = false;      // both directions above the surface, none totally reflected
+  T cos_view{}, cos_light{};  // outside
+  T g_view{}, g_light{};      // eta times the cosines in the binder
+  T cos_alpha{};              // angle on the flake
+  T sin2_half_beta{};         // flake normal to paint normal
+};
+
+// Unit vectors that point away from the surface. Refracted (paper, eq. 8), v = V/eta +
+// n (cos(theta_p) - cos(theta)/eta), so v + v' = (t + n G)/eta with the tangential part of V + V',
+// t = V + V' - n (cos(theta) + cos(theta')), and G = g + g'. Its length is s/eta = 2 cos(alpha)
+// with s^2 = t^2 + G^2, and tan(beta) = t/G, so sin^2(beta/2) = (1 - G/s)/2 = t^2/(2 s (s + G)).
+template <class T>
+Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
+  Mirror<T> mirror;
+  mirror.cos_view = std::min(dot(normal, view), T(1));
+  mirror.cos_light = std::min(dot(normal, light), T(1));
+  if (!(mirror.cos_view > 0) || !(mirror.cos_light > 0)) return mirror;
+  mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
+  mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
+  if (!(mirror.g_view > 0) || !(mirror.g_light > 0)) return mirror;
+  const Vec3<T> tangent = (view + light) - normal * (mirror.cos_view + mirror.cos_light);
+  const T tangent_square = dot(tangent, tangent);
+  const T along = mirror.g_view + mirror.g_light;
+  const T s = std::sqrt(tangent_square + along * along);
+  mirror.cos_alpha = std::min(s / (2 * eta), T(1));
+  mirror.sin2_half_beta = std::min(tangent_square / (2 * s * (s + along)), T(0.5));
+  mirror.possible = true;
+  return mirror;
 }
 
 }  // namespace metallic_paint

@@ -12,6 +12,7 @@
 namespace {
 
 using namespace metallic_paint;
+using core_tests::Random;
 using core_tests::relative_error;
 using core_tests::Worst;
 using Real = long double;
@@ -261,6 +262,81 @@ TEST(Orientation, TableOverTheCosineIsNormalisedAndNear) {
     EXPECT_LT(worst_of(kind, 0.1), limit[1]) << "kind " << static_cast<int>(kind);
     EXPECT_LT(worst_of(kind, 0.03), limit[2]) << "kind " << static_cast<int>(kind);
   }
+}
+
+// sin^2 of half the angle
+double half_square(double angle) { return std::pow(std::sin(angle / 2), 2); }
+
+TEST(CapProbability, MatchesAnIndependentIntegral) {
+  Random random(14);
+  Worst wide, narrow;
+  for (int k = 0; k < 240; ++k) {
+    const auto kind = static_cast<Orientation>(k % 3);
+    const float tilt = static_cast<float>(random.log_uniform(0.01, 1));
+    // Caps from the narrowest that are integrated to half a radian; centres inside and outside.
+    const double rho = std::min(random.log_uniform(kPointCap, 5) * tilt, 0.5);
+    if (rho <= kPointCap * tilt * 1.001) continue;
+    const double beta = random.uniform(0, std::min(rho + 4 * tilt, 1.5 - rho));
+    const float b = static_cast<float>(half_square(beta)), r = static_cast<float>(half_square(rho));
+    const reference::Flakes flakes{k % 3, tilt};
+    const Real exact = reference::cap_probability(flakes, reference::shape_norm(flakes),
+                                                  2 * std::asin(std::sqrt(static_cast<Real>(b))),
+                                                  2 * std::asin(std::sqrt(static_cast<Real>(r))));
+    if (exact < 1e-30L) continue;
+    const auto error = [&](auto found) { return relative_error(found, exact); };
+    wide.see(error(cap_probability<double>(make_orientation<double>(kind, tilt), b, r)), "kind",
+             k % 3, "tilt", tilt, "beta", beta, "rho", rho);
+    if (exact < 1e-7L) continue;
+    narrow.see(error(cap_probability<float>(make_orientation<float>(kind, tilt), b, r)), "kind",
+               k % 3, "tilt", tilt, "beta", beta, "rho", rho);
+  }
+  wide.expect_at_most(1e-12, "double");
+  narrow.expect_at_most(2e-4, "float");
+}
+
+TEST(CapProbability, OfASpikeIsOneInsideAndNothingOutside) {
+  for (Orientation kind : {Orientation::gaussian, Orientation::beckmann, Orientation::ggx}) {
+    // Of a ggx spike less than tilt^2/d^2 lies farther out than d.
+    for (double rho : {0.01, 0.1, 0.5}) {
+      const auto density = make_orientation<double>(kind, 1e-6);
+      const auto single = make_orientation<float>(kind, 1e-6f);
+      for (double beta : {0.0, 1e-9, 0.5 * rho, 0.99 * rho}) {
+        const double b = half_square(beta), r = half_square(rho);
+        const double far = std::max(1e-7, std::pow(1e-6 / (rho - beta), 2));
+        EXPECT_NEAR(cap_probability(density, b, r), 1, far) << beta << ' ' << rho;
+        const float found = cap_probability(single, static_cast<float>(b), static_cast<float>(r));
+        EXPECT_NEAR(found, 1, 1e-4) << beta << ' ' << rho;
+      }
+      for (double beta : {1.01 * rho, 2 * rho}) {
+        const double b = half_square(beta), r = half_square(rho);
+        const double far = std::pow(1e-6 / (beta - rho), 2);
+        EXPECT_NEAR(cap_probability(density, b, r), 0, far) << beta << ' ' << rho;
+        const float found = cap_probability(single, static_cast<float>(b), static_cast<float>(r));
+        EXPECT_NEAR(found, 0, far) << beta << ' ' << rho;
+      }
+    }
+  }
+}
+
+TEST(CapProbability, OfNarrowCapsIsTheDensityAtTheirCentre) {
+  Random random(15);
+  Worst jump;
+  for (int k = 0; k < 3'000; ++k) {
+    const auto kind = static_cast<Orientation>(k % 3);
+    const double tilt = random.log_uniform(1e-3, 1);
+    const auto density = make_orientation<double>(kind, tilt);
+    const double b = half_square(random.uniform(0, 4) * std::min(tilt, 0.15));
+    // Where flakes are too rare to matter, Beckmann's falls off faster than any cap is narrow.
+    if (orientation_density(density, b) < 1e-4 * orientation_density(density, 0.0)) continue;
+    const double below = half_square(kPointCap * tilt * (1 - 1e-9));
+    const double above = half_square(kPointCap * tilt * (1 + 1e-9));
+    EXPECT_EQ(cap_probability(density, b, below), 2 * orientation_density(density, b) * below);
+    jump.see(relative_error(cap_probability(density, b, below), cap_probability(density, b, above)),
+             "kind", k % 3, "tilt", tilt, "b", b);
+  }
+  // (rho^2/8) laplace(P)/P at rho = tilt/16: 7/1000 for a Gaussian at 4 tilts, and twice the
+  // curvature for Beckmann's, whose tilt is sqrt(2) standard deviations.
+  jump.expect_at_most(0.035);
 }
 
 }  // namespace

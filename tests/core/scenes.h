@@ -119,8 +119,7 @@ inline void aim(TestScene& scene, Random& random, double tilts) {
     const Vec3<double> view = spherical(random.uniform(0, 1.4), random.uniform(0, 6.28));
     const double beta = random.uniform(0, std::min(tilts * scene.paint.tilt, 1.2));
     const Vec3<double> flake = spherical(beta, random.uniform(0, 6.28));
-    const Vec3<double> v =
-        refract_direction(view, {0, 0, 1}, view.z, eta_cos_refracted(view.z, eta), eta);
+    const Vec3<double> v{view.x / eta, view.y / eta, eta_cos_refracted(view.z, eta) / eta};
     const Vec3<double> l = flake * (2 * dot(flake, v)) - v;
     const Vec3<double> out{l.x * eta, l.y * eta, 0};
     const double sine = length(out);
@@ -139,15 +138,6 @@ inline void set_count(TestScene& scene, double count) {
   scene.footprint = 1;
   const double per_area = scene.expect<double>().mean_count;
   scene.footprint = rounded(count / per_area);
-}
-
-// Whether a flake may sparkle with a probability that had to be cut to 1: a light wider than the
-// flakes' tilt. The mean then falls short of the BRDF.
-inline bool probability_is_cut(TestScene scene) {
-  scene.paint.flake_area_spread = 0;
-  scene.paint.depth_model = DepthModel::attenuated;
-  scene.footprint = 1;
-  return scene.expect<double>().mean_count >= 0.999 * scene.layer<double>().areal_density;
 }
 
 inline reference::Scene reference_scene(const TestScene& s) {
@@ -176,6 +166,19 @@ inline reference::Scene reference_scene(const TestScene& s) {
           .light = vector(s.light),
           .light_radius = std::asin(static_cast<Real>(s.light_sine)),
           .footprint = s.footprint};
+}
+
+// Whether the light is so narrow against the tilt that P at its centre serves for all of it.
+inline bool is_narrow(const TestScene& scene) {
+  const auto mirror = mirror_between(scene.normal, scene.view, scene.light, scene.paint.binder_ior);
+  const double sine = scene.light_sine, spread = scene.paint.flake_spread;
+  const double outside = 2 * std::numbers::pi * sine * sine / (1 + std::sqrt(1 - sine * sine));
+  const double inside =
+      outside * solid_angle_ratio(mirror.cos_light, mirror.g_light, scene.paint.binder_ior) +
+      std::numbers::pi * spread * spread;
+  // The quarter cone's solid angle 4 pi sin^2(rho/2) = inside/(4 cos(alpha)).
+  const double half = std::sqrt(inside / (16 * std::numbers::pi * mirror.cos_alpha));
+  return 2 * std::asin(std::min(half, 1.0)) < kPointCap * scene.paint.tilt * (1 - 1e-12);
 }
 
 }  // namespace core_tests
