@@ -12,11 +12,20 @@ namespace metallic_paint {
 
 // eta cos(theta_p), for the cosine outside and the relative index eta of the binder; negative
 // squares, i.e. total reflection (eta < 1 only), give 0. With sin(theta) = eta sin(theta_p)
-// (Snell), eta^2 cos^2(theta_p) = eta^2 - 1 + cos^2(theta); (eta - 1)(eta + 1) keeps its digits
-// near eta = 1.
+// (Snell), eta^2 cos^2(theta_p) = eta^2 - 1 + cos^2(theta). float: (eta - 1)(eta + 1) keeps its
+// digits near eta = 1. Wider types keep them next to total reflection too, where the squares
+// cancel: what rounding took from each is added at the end, and 1 goes from the one nearer to it,
+// which is exact.
 template <class T>
 T eta_cos_refracted(T cos_theta, T eta) {
-  const T square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
+  T square;
+  if constexpr (std::is_same_v<T, float>) {
+    square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
+  } else {
+    const T a = eta * eta, b = cos_theta * cos_theta;
+    const T rounding = std::fma(eta, eta, -a) + std::fma(cos_theta, cos_theta, -b);
+    square = (a < T(0.5) ? (b - 1) + a : (a - 1) + b) + rounding;
+  }
   return square > 0 ? std::sqrt(square) : T(0);
 }
 
@@ -24,11 +33,13 @@ T eta_cos_refracted(T cos_theta, T eta) {
 // than as 1 - r, so that nothing cancels at grazing angles. g = eta_cos_refracted(cos_theta, eta).
 template <class T>
 T fresnel_transmittance(T cos_theta, T g, T eta) {
-  const T s = cos_theta + g;
-  const T p = eta * eta * cos_theta + g;
+  using W = Wide<T>;
+  const W index = eta, cosine = cos_theta;
+  const W s = cosine + g;
+  const W p = index * index * cosine + g;
   if (s <= 0) return 0;  // grazing at eta = 1
-  const T product = cos_theta * g;
-  return 2 * product * (1 / (s * s) + eta * eta / (p * p));
+  const W product = cosine * g;
+  return static_cast<T>(2 * product * (1 / (s * s) + index * index / (p * p)));
 }
 
 // d omega inside / d omega outside = cos(theta)/(eta^2 cos(theta_p)) (paper, eq. 7 squared).

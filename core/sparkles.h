@@ -120,8 +120,11 @@ Rgb<T> slant_depth_of(const Layer<T>& layer, T cos_in) {
 // radiance with the same mean.
 inline constexpr int kPoissonSlots = 16;
 
-// No cone in the binder counts as less, in sr: 1/cone^2 stays inside a float. The mean is the same.
-inline constexpr double kLeastCone = 1e-18;
+// No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
+template <class T>
+inline constexpr double kLeastCone = 1e-100;
+template <>
+inline constexpr double kLeastCone<float> = 1e-18;
 
 // `slant` overrides the layer's own optical depth t H where it is given (validation against other
 // codes).
@@ -148,7 +151,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
   const W ratio = solid_angle_ratio(mirror.cos_light, mirror.g_light, eta);
   W inside = outside * ratio + layer.flake_solid_angle;
   if (!(inside > 0)) return expected;  // a point light on perfect mirrors: no flake ever meets it
-  inside = std::max(inside, W(kLeastCone) * std::max(ratio, W(1)));
+  inside = std::max(inside, W(kLeastCone<T>) * std::max(ratio, W(1)));
 
   // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4).
   const T probability = static_cast<T>(

@@ -102,7 +102,7 @@ inline Vec3<double> spherical(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-// Turns the z axis into an oblique normal, so that no coordinate is special.
+// Turns the z axis into an oblique normal.
 inline Vec3<double> turned(Vec3<double> v) {
   const double a = 0.7, b = 1.1;
   const Vec3<double> w{v.x * std::cos(a) + v.z * std::sin(a), v.y,
@@ -113,7 +113,8 @@ inline Vec3<double> turned(Vec3<double> v) {
 }
 
 // Aims the light by a flake of an angle that occurs: up to `tilts` times the tilt.
-inline void aim(TestScene& scene, Random& random, double tilts) {
+// `oblique` turns the scene, so that no coordinate is special.
+inline void aim(TestScene& scene, Random& random, double tilts, bool oblique = true) {
   const double eta = scene.paint.binder_ior;
   for (;;) {
     const Vec3<double> view = spherical(random.uniform(0, 1.4), random.uniform(0, 6.28));
@@ -125,9 +126,10 @@ inline void aim(TestScene& scene, Random& random, double tilts) {
     const double sine = length(out);
     if (l.z <= 0 || sine > 0.98) continue;
     const Vec3<double> light{out.x, out.y, std::sqrt(1 - sine * sine)};
-    scene.normal = turned({0, 0, 1});
-    scene.view = turned(view);
-    scene.light = turned(light);
+    const auto place = [&](Vec3<double> d) { return oblique ? turned(d) : d; };
+    scene.normal = place({0, 0, 1});
+    scene.view = place(view);
+    scene.light = place(light);
     scene.beta = beta;
     return;
   }
