@@ -150,7 +150,7 @@ class ProjectedArea {
 // whenever they are needed. A tile is the work of one thread at a time: one pixel of many cells, or
 // one cell of many pixels.
 
-constexpr double kFlakesPerCell = 16;  // up to four times as many
+constexpr double kFlakesPerCell = 4;  // up to four times as many
 constexpr std::int64_t kMostPerSide = std::int64_t{1} << 26;
 
 struct Cell {
