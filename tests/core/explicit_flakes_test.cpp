@@ -199,12 +199,13 @@ ModelScene random_model_scene(Random& random, double from, double to, double wid
 
     const double cone = 2 * dot(flake, v) * paint.tilt * random.log_uniform(from, to);
     const double squeeze = std::sqrt(s.light.z / (eta * eta * l.z));
-    const double part = made.cone == Cone::both ? random.uniform(0.3, 0.9) : 1;
-    paint.flake_spread = 0;
-    if (made.cone != Cone::flake) s.light_sine = std::sin(std::min(cone * part / squeeze, 1.5));
-    if (made.cone != Cone::light)
-      paint.flake_spread = cone * (made.cone == Cone::both ? std::sqrt(1 - part * part) : 1);
-    if (std::asin(s.light_sine) > widest_light || paint.flake_spread > 0.5) continue;
+    const double of_light = made.cone == Cone::light  ? 1
+                            : made.cone == Cone::both ? random.uniform(0.3, 0.9)
+                                                      : 0;
+    const double radius = cone * of_light / squeeze;
+    paint.flake_spread = cone * std::sqrt(1 - of_light * of_light);
+    if (radius > widest_light || paint.flake_spread > 0.5) continue;
+    s.light_sine = std::sin(radius);
     s.footprint = 1;
     const double sparkles = kFlakes * s.expect<double>().mean_count / (paint.flakes_per_mm2 * 1e6);
     if (sparkles < 100 || probability_is_cut(s)) continue;
@@ -247,39 +248,43 @@ Moments moments(std::size_t size, const F& value) {
   return m;
 }
 
-void compare(Comparisons& comparisons, const ModelScene& made, const ExplicitResult& traced) {
-  const TestScene& s = made.scene;
-  const auto expected = s.expect<double>();
-  const double n = static_cast<double>(traced.count.size());
-  const Moments radiance =
-      moments(traced.count.size(), [&](std::size_t i) { return traced.radiance[i].y; });
-  comparisons.see("mean radiance",
-                  (radiance.mean - mean_radiance(expected).y) / std::sqrt(radiance.variance / n),
-                  s);
-  // Light and flake together: the model has a disc of their joint solid angle, the flakes have
-  // the blurred disc that it is. Same mean, another count.
+void compare_radiances(Comparisons& comparisons, const ModelScene& made,
+                       const ExplicitResult& traced) {
+  const auto expected = made.scene.expect<double>();
+  const double n = static_cast<double>(traced.radiance.size());
+  const Moments m =
+      moments(traced.radiance.size(), [&](std::size_t i) { return traced.radiance[i].y; });
+  comparisons.see("mean radiance", (m.mean - mean_radiance(expected).y) / std::sqrt(m.variance / n),
+                  made.scene);
   if (made.cone == Cone::both) return;
-  const double variance = radiance_variance(expected).y;
   comparisons.see("radiance variance",
-                  (radiance.variance - variance) /
-                      std::sqrt((radiance.fourth - radiance.variance * radiance.variance) / n),
-                  s);
-  const double mean = expected.mean_count;
-  const Moments count =
-      moments(traced.count.size(), [&](std::size_t i) { return traced.count[i]; });
-  comparisons.see("mean count", (count.mean - mean) / std::sqrt(mean / n), s);
+                  (m.variance - radiance_variance(expected).y) /
+                      std::sqrt((m.fourth - m.variance * m.variance) / n),
+                  made.scene);
+}
+
+void compare_counts(Comparisons& comparisons, const ModelScene& made,
+                    const ExplicitResult& traced) {
+  // Light and flake together: the model has one disc of their joint solid angle, the flakes have a
+  // disc blurred by another. The same mean radiance, other counts.
+  if (made.cone == Cone::both) return;
+  const double n = static_cast<double>(traced.count.size());
+  const double mean = made.scene.expect<double>().mean_count;
+  const Moments m = moments(traced.count.size(), [&](std::size_t i) { return traced.count[i]; });
+  comparisons.see("mean count", (m.mean - mean) / std::sqrt(mean / n), made.scene);
   // Poisson: fourth central moment mean + 3 mean^2.
-  comparisons.see("count variance",
-                  (count.variance - mean) / std::sqrt((mean + 2 * mean * mean) / n), s);
-  std::vector<double> observed, probable;
+  comparisons.see("count variance", (m.variance - mean) / std::sqrt((mean + 2 * mean * mean) / n),
+                  made.scene);
+  std::vector<double> expected;
   const int most = static_cast<int>(mean + 10 * std::sqrt(mean) + 20);
   for (int k = 0; k <= most; ++k) {
-    probable.push_back(n * std::exp(k * std::log(mean) - mean - std::lgamma(k + 1.0)));
+    expected.push_back(n * std::exp(k * std::log(mean) - mean - std::lgamma(k + 1.0)));
   }
-  observed.resize(probable.size());
-  for (double k : traced.count)
+  std::vector<double> observed(expected.size());
+  for (double k : traced.count) {
     observed[std::min(static_cast<std::size_t>(k), observed.size() - 1)] += 1;
-  comparisons.see("count distribution", chi_square_deviate(observed, probable), s);
+  }
+  comparisons.see("count distribution", chi_square_deviate(observed, expected), made.scene);
 }
 
 // Relative errors of all scenes together, weighted by their precision.
@@ -305,7 +310,8 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
   for (int k = 0; k < 200; ++k) {
     const ModelScene made = random_model_scene(random, 1.0 / 32, 1.0 / 16, 0.05);
     const ExplicitResult traced = trace_explicit_flakes(explicit_scene(made.scene, random.bits()));
-    compare(comparisons, made, traced);
+    compare_counts(comparisons, made, traced);
+    compare_radiances(comparisons, made, traced);
 
     const auto expected = made.scene.expect<double>();
     const auto n = static_cast<double>(traced.count.size());
@@ -327,13 +333,15 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
 }
 
 // Up to twice the tilt. Needs the probability integrated over the cone.
-TEST(ExplicitFlakes, DISABLED_ModelHasTheirCountsAndRadiancesForWideCones) {
+TEST(ExplicitFlakes, DISABLED_ModelHasTheirCountsForWideCones) {
   Random random(101);
   Comparisons comparisons;
-  for (int k = 0; k < 60; ++k) {
-    const ModelScene made = random_model_scene(random, 1.0 / 16, 2, 0.5);
+  for (int k = 0; k < 40; ++k) {
+    ModelScene made = random_model_scene(random, 1.0 / 16, 2, 0.5);
+    made.scene.paint.depth_model = DepthModel::attenuated;  // does not touch the count
+    if (std::asin(made.scene.light.z) < std::asin(made.scene.light_sine)) continue;  // half set
     const ExplicitResult traced = trace_explicit_flakes(explicit_scene(made.scene, random.bits()));
-    compare(comparisons, made, traced);
+    compare_counts(comparisons, made, traced);
   }
   comparisons.expect_chance();
 }
@@ -434,7 +442,7 @@ TEST(ExplicitFlakes, PixelsHoldTheFlakesOfTheirArea) {
     ExplicitScene scene = level_scene(0, 1);
     scene.shadowing = Shadowing::none;
     scene.footprint = flakes / (scene.paint.flakes_per_mm2 * 1e6);
-    scene.pixels = static_cast<std::size_t>(std::ceil(3e5 / flakes));
+    scene.pixels = static_cast<std::size_t>(std::clamp(2e5 / flakes, 3.0, 1e6));
     const ExplicitResult traced = trace_explicit_flakes(scene);
     const auto n = static_cast<double>(scene.pixels);
     const Moments count = moments(scene.pixels, [&](std::size_t i) { return traced.count[i]; });
