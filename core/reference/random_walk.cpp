@@ -108,16 +108,21 @@ struct Tally {
 class Walker {
  public:
   Walker(const Medium& medium, const WalkScene& scene, const std::vector<Detector>& detectors,
-         std::size_t batch, Tally& tally)
-      : medium_(medium),
-        scene_(scene),
-        detectors_(detectors),
-        tally_(tally),
-        random_(scene.seed, batch) {
+         std::size_t batch)
+      : medium_(medium), scene_(scene), detectors_(detectors), random_(scene.seed, batch) {
     tally_.brdf.resize(detectors.size());
     tally_.bins.resize(static_cast<std::size_t>(scene.theta_bins * scene.phi_bins));
   }
 
+  // Photons that have passed the surface in the direction d; under total reflection d = 0.
+  Tally walk(Vec3<double> d, std::size_t photons) {
+    tally_.photons = photons;
+    if (d.z == 0) return tally_;
+    for (std::size_t i = 0; i < photons; ++i) walk(d);
+    return tally_;
+  }
+
+ private:
   // One photon that has passed the surface in the direction d, weight 1.
   void walk(Vec3<double> d) {
     depth_ = 0;
@@ -131,7 +136,6 @@ class Walker {
     ++tally_.truncated_walks;
   }
 
- private:
   // To the next event; false where the photon ends.
   bool step() {
     const double cosine = std::max(std::abs(direction_.z), 1e-12);
@@ -270,7 +274,7 @@ class Walker {
   const Medium& medium_;
   const WalkScene& scene_;
   const std::vector<Detector>& detectors_;
-  Tally& tally_;
+  Tally tally_;
   UniformRandom random_;
   double depth_ = 0;
   Vec3<double> direction_{};
@@ -365,10 +369,8 @@ WalkResult walk(const WalkScene& scene) {
   parallel_for(
       batches,
       [&](std::size_t i) {
-        tallies[i].photons = scene.photons * (i + 1) / batches - scene.photons * i / batches;
-        Walker walker(medium, scene, detectors, i, tallies[i]);
-        if (!(entered > 0)) return;
-        for (std::size_t k = 0; k < tallies[i].photons; ++k) walker.walk(entry.direction * -1.0);
+        const std::size_t photons = scene.photons * (i + 1) / batches - scene.photons * i / batches;
+        tallies[i] = Walker(medium, scene, detectors, i).walk(entry.direction * -1.0, photons);
       },
       1);
 

@@ -27,12 +27,6 @@ double ring_mean(double a, double b) {
 
 }  // namespace
 
-UniformRandom::UniformRandom(std::uint64_t seed, std::uint64_t stream) {
-  std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
-                      static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(stream >> 32)};
-  engine_.seed(words);
-}
-
 // P(beta) up to its norm.
 double VisibleFlakes::shape(double sin_beta, double cos_beta) const {
   const double square = tilt_ * tilt_;
