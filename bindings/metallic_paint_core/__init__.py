@@ -22,6 +22,7 @@ from ._native import (
     mean_projected_area,
     normal_quantile,
     orientation_density,
+    random_walk,
 )
 
 __all__ = [
@@ -41,4 +42,5 @@ __all__ = [
     "mean_projected_area",
     "normal_quantile",
     "orientation_density",
+    "random_walk",
 ]
