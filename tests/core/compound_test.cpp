@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "reference.h"
+#include "independent.h"
 #include "sparkles.h"
 #include "support.h"
 
@@ -34,8 +34,8 @@ struct Law {
   double ceiling() const { return slots > 0 ? 1 : 1e30; }
   // E[Y^power]; u averages e^(-power x u).
   Real moment(int power) const {
-    return reference::area_moment(area_spread, power, fill) / std::pow(Real(fill), power) *
-           reference::averaged(power * Real(depth));
+    return independent::area_moment(area_spread, power, fill) / std::pow(Real(fill), power) *
+           independent::averaged(power * Real(depth));
   }
   Real mean() const { return mean_count * moment(1); }
   Real variance() const {
@@ -55,8 +55,8 @@ std::vector<double> drawn(const Law& law, int n, int stream) {
   expected.mean_count = static_cast<T>(law.mean_count);
   expected.slots = law.slots;
   expected.fill = static_cast<T>(law.fill);
-  expected.area = {static_cast<T>(reference::area_moment(law.area_spread, 1, law.fill)),
-                   static_cast<T>(reference::area_moment(law.area_spread, 2, law.fill))};
+  expected.area = {static_cast<T>(independent::area_moment(law.area_spread, 1, law.fill)),
+                   static_cast<T>(independent::area_moment(law.area_spread, 2, law.fill))};
   const T x = static_cast<T>(law.depth);
   expected.slant = {x, x, x};
   expected.mirror = {1, 1, 1};
@@ -281,13 +281,14 @@ TEST(Compound, SumsOfVeryManySparklesFollowTheLawsOwnExpansion) {
     const Real s = law.area_spread;
     const Real cubed =
         s == 0 ? 1
-               : reference::integrate(
+               : independent::integrate(
                      [&](Real w) {
                        const Real x = std::max<Real>(0, 1 + s * w);
-                       return x * x * x * std::exp(-w * w / 2) / std::sqrt(2 * reference::kPi);
+                       return x * x * x * std::exp(-w * w / 2) / std::sqrt(2 * independent::kPi);
                      },
                      {-20, -1 / s, 0, 20});
-    const Real m3 = cubed / std::pow(Real(law.fill), 3) * reference::averaged(3 * Real(law.depth));
+    const Real m3 =
+        cubed / std::pow(Real(law.fill), 3) * independent::averaged(3 * Real(law.depth));
     const auto skewness = static_cast<double>(m3 / std::pow(law.moment(2), 1.5L) /
                                               std::sqrt(static_cast<Real>(law.mean_count)));
     const auto cdf = [&](double z) {

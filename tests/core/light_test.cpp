@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -50,9 +50,9 @@ TEST(Light, PositionalLightShowsItsRadiusOverItsDistance) {
     const Vec3<double> centre{any(), any(), any()}, point{any(), any(), any()};
     const double radius = random.log_uniform(1e-6, 3);
     const auto seen = see_light<double>({LightKind::positional, centre, radius}, point);
-    const reference::Vector away{Real(centre.x) - point.x, Real(centre.y) - point.y,
-                                 Real(centre.z) - point.z};
-    const Real distance = reference::length(away);
+    const independent::Vector away{Real(centre.x) - point.x, Real(centre.y) - point.y,
+                                   Real(centre.z) - point.z};
+    const Real distance = independent::length(away);
     const Real exact = std::pow(std::sin(std::asin(std::fmin(radius / distance, 1)) / 2), 2);
     size.see(relative_error(seen.sin2_half_radius, exact), "radius", radius, "distance", distance);
     direction.see(std::fabs(seen.direction.x - away.x / distance), "x, distance", distance);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -19,7 +19,7 @@ using Real = long double;
 
 constexpr Orientation kKinds[] = {Orientation::gaussian, Orientation::beckmann, Orientation::ggx};
 
-reference::Flakes flakes(Orientation kind, Real tilt) { return {static_cast<int>(kind), tilt}; }
+independent::Flakes flakes(Orientation kind, Real tilt) { return {static_cast<int>(kind), tilt}; }
 
 // Every tilt that a paint may have: 1e-6 to 100 rad, or a roughness up to 1, all of them floats.
 std::vector<float> tilts(Orientation kind, int per_decade) {
@@ -39,8 +39,8 @@ TEST(Orientation, NormMakesDensityTimesSineIntegrateToOne) {
   Worst wide, narrow, mean_cos, narrow_mean_cos;
   for (Orientation kind : kKinds) {
     for (float tilt : tilts(kind, 20)) {
-      const Real norm = reference::shape_norm(flakes(kind, tilt));
-      const Real cosine = reference::mean_cosine(flakes(kind, tilt), norm);
+      const Real norm = independent::shape_norm(flakes(kind, tilt));
+      const Real cosine = independent::mean_cosine(flakes(kind, tilt), norm);
       const auto d = make_orientation<double>(kind, tilt);
       const auto f = make_orientation<float>(kind, tilt);
       const int k = static_cast<int>(kind);
@@ -62,13 +62,13 @@ TEST(Orientation, DensityIntegratesToOne) {
   for (Orientation kind : kKinds) {
     for (float tilt : tilts(kind, 3)) {
       const auto density = make_orientation<double>(kind, tilt);
-      const Real sum = reference::integrate(
+      const Real sum = independent::integrate(
           [&](Real beta) {
             const Real half = std::sin(beta / 2);
             const double y = static_cast<double>(std::min<Real>(half * half, 0.5L));
             return orientation_density(density, y) * std::sin(beta);
           },
-          reference::shape_edges(flakes(kind, tilt)));
+          independent::shape_edges(flakes(kind, tilt)));
       wide.see(std::fabs(sum - 1), "kind", static_cast<int>(kind), "tilt", tilt);
     }
   }
@@ -81,12 +81,12 @@ TEST(Orientation, DensityIsTheStatedShape) {
     for (float tilt : {1e-6f, 1e-3f, 0.03f, 0.1f, 0.3f, 0.6f, 1.0f}) {
       const auto d = make_orientation<double>(kind, tilt);
       const auto f = make_orientation<float>(kind, tilt);
-      const Real norm = reference::shape_norm(flakes(kind, tilt));
+      const Real norm = independent::shape_norm(flakes(kind, tilt));
       for (int i = 0; i <= 200; ++i) {
         const Real aimed = std::min<Real>(6 * static_cast<Real>(tilt), 1.55L) * i / 200;
         const float y = static_cast<float>(std::sin(aimed / 2) * std::sin(aimed / 2));
         const Real beta = 2 * std::asin(std::sqrt(static_cast<Real>(y)));
-        const Real exact = reference::shape(flakes(kind, tilt), beta) / norm;
+        const Real exact = independent::shape(flakes(kind, tilt), beta) / norm;
         if (exact < 1e-290L) continue;
         // What a rounding of beta^2/tilt^2 does to the exponential.
         const Real condition =
@@ -111,8 +111,8 @@ TEST(Orientation, DawsonSeriesHoldsItsStatedError) {
     // integral of exp(-b^2/2s^2) sin(b) over [0, infinity) is s^2 times the series in y = s^2.
     const Real s = std::sqrt(y);
     const Real exact =
-        reference::integrate([&](Real b) { return std::exp(-b * b / (2 * y)) * std::sin(b); },
-                             {0, s, 2 * s, 4 * s, 8 * s, 12 * s}) /
+        independent::integrate([&](Real b) { return std::exp(-b * b / (2 * y)) * std::sin(b); },
+                               {0, s, 2 * s, 4 * s, 8 * s, 12 * s}) /
         y;
     worst.see(std::fabs(dawson_series(static_cast<double>(y)) - exact), "y", y);
   }
@@ -125,12 +125,12 @@ TEST(Orientation, ProjectedAreaMatchesQuadratureOverAllFlakes) {
     for (float tilt : {1e-6f, 1e-4f, 0.01f, 0.03f, 0.08f, 0.15f, 0.25f, 0.29f, 0.4f, 0.6f, 0.8f,
                        1.0f, 3.0f, 100.0f}) {
       if (kind != Orientation::gaussian && tilt > 1) continue;
-      const Real norm = reference::shape_norm(flakes(kind, tilt));
+      const Real norm = independent::shape_norm(flakes(kind, tilt));
       const auto d = make_orientation<double>(kind, tilt);
       const auto f = make_orientation<float>(kind, tilt);
       for (float cosine : {0.0f, 1e-6f, 0.01f, 0.03f, 0.1f, 0.35f, 0.7f, 0.95f, 1.0f}) {
         const Real exact =
-            reference::mean_projected_area(flakes(kind, tilt), norm, std::acos(Real(cosine)));
+            independent::mean_projected_area(flakes(kind, tilt), norm, std::acos(Real(cosine)));
         const int k = static_cast<int>(kind);
         // The ordinary range: flakes of visible tilt, not seen edge-on.
         (tilt < 0.01f ? extreme : wide)
@@ -278,10 +278,10 @@ TEST(CapProbability, MatchesAnIndependentIntegral) {
     if (rho <= kPointCap * tilt * 1.001) continue;
     const double beta = random.uniform(0, std::min(rho + 4 * tilt, 1.5 - rho));
     const float b = static_cast<float>(half_square(beta)), r = static_cast<float>(half_square(rho));
-    const reference::Flakes flakes{k % 3, tilt};
-    const Real exact = reference::cap_probability(flakes, reference::shape_norm(flakes),
-                                                  2 * std::asin(std::sqrt(static_cast<Real>(b))),
-                                                  2 * std::asin(std::sqrt(static_cast<Real>(r))));
+    const independent::Flakes flakes{k % 3, tilt};
+    const Real exact = independent::cap_probability(flakes, independent::shape_norm(flakes),
+                                                    2 * std::asin(std::sqrt(static_cast<Real>(b))),
+                                                    2 * std::asin(std::sqrt(static_cast<Real>(r))));
     if (exact < 1e-30L) continue;
     const auto error = [&](auto found) { return relative_error(found, exact); };
     wide.see(error(cap_probability<double>(make_orientation<double>(kind, tilt), b, r)), "kind",

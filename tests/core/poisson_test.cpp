@@ -10,8 +10,8 @@
 #include <limits>
 #include <vector>
 
+#include "independent.h"
 #include "random.h"
-#include "reference.h"
 #include "support.h"
 
 namespace {

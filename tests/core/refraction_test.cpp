@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "reference.h"
+#include "independent.h"
 #include "scenes.h"
 #include "support.h"
 
@@ -86,12 +86,12 @@ TEST(Refraction, FresnelTransmittanceAgreesWithOneMinusReflectance) {
   Worst worst;
   for (double eta : kIndices) {
     for (int i = 1; i < 1000; ++i) {
-      const Real theta = reference::kPi / 2 * i / 1000;
+      const Real theta = independent::kPi / 2 * i / 1000;
       const double cosine = static_cast<double>(std::cos(theta));
       const double g = eta_cos_refracted(cosine, eta);
       if (g < 0.5 * cosine) continue;
       worst.see(std::fabs(fresnel_transmittance(cosine, g, eta) -
-                          (1 - reference::fresnel_reflectance(theta, eta))),
+                          (1 - independent::fresnel_reflectance(theta, eta))),
                 "eta", eta, "theta", theta);
     }
   }
@@ -182,11 +182,11 @@ TEST(Refraction, MirrorLiesBetweenTheRefractedDirections) {
     const auto mirror = mirror_between(n, v, l, eta);
     if (!(std::min(mirror.g_view, mirror.g_light) > 0.1 * eta)) continue;
     const auto refracted = [&](Vec3<double> d) {
-      return reference::refract({d.x, d.y, d.z}, {0, 0, 1}, eta);
+      return independent::refract({d.x, d.y, d.z}, {0, 0, 1}, eta);
     };
-    const reference::Vector in = refracted(v), half = in + refracted(l);
-    const Real cos_alpha = std::cos(reference::angle(in, half));
-    const Real half_beta = std::sin(reference::angle(half, {0, 0, 1}) / 2);
+    const independent::Vector in = refracted(v), half = in + refracted(l);
+    const Real cos_alpha = std::cos(independent::angle(in, half));
+    const Real half_beta = std::sin(independent::angle(half, {0, 0, 1}) / 2);
     cosine.see(std::fabs(mirror.cos_alpha - cos_alpha), "eta", eta, "view", v.z, "light", l.z);
     angle.see(std::fabs(std::sqrt(mirror.sin2_half_beta) - half_beta), "eta", eta, "view", v.z);
     const auto narrow = mirror_between<float>(Vec3<float>(n), Vec3<float>(v), Vec3<float>(l),
@@ -209,14 +209,14 @@ TEST(Refraction, SolidAngleRatioIsTheDerivativeOfSnellsLaw) {
       const Real theta = 1.56L * i / 300;
       if (std::sin(theta) > 0.8L * eta) continue;
       const auto slope = [&](Real h) {
-        return (reference::refracted_angle(theta + h, eta) -
-                reference::refracted_angle(theta - h, eta)) /
+        return (independent::refracted_angle(theta + h, eta) -
+                independent::refracted_angle(theta - h, eta)) /
                (2 * h);
       };
       const Real h = 1e-4L;
       const Real derivative = (4 * slope(h / 2) - slope(h)) / 3;
       const Real exact =
-          std::sin(reference::refracted_angle(theta, eta)) / std::sin(theta) * derivative;
+          std::sin(independent::refracted_angle(theta, eta)) / std::sin(theta) * derivative;
       const double cosine = static_cast<double>(std::cos(theta));
       worst.see(
           relative_error(solid_angle_ratio(cosine, eta_cos_refracted(cosine, eta), eta), exact),

@@ -9,8 +9,8 @@
 #include <ostream>
 #include <string>
 
+#include "independent.h"
 #include "paint.h"
-#include "reference.h"
 #include "support.h"
 
 namespace core_tests {
@@ -142,15 +142,15 @@ inline void set_count(TestScene& scene, double count) {
   scene.footprint = rounded(count / per_area);
 }
 
-inline ::reference::Scene reference_scene(const TestScene& s) {
-  using ::reference::Colour;
+inline independent::Scene reference_scene(const TestScene& s) {
+  using independent::Colour;
   using Real = long double;
   const auto colour = [](Rgb<double> c) { return Colour{c.x, c.y, c.z}; };
-  const auto vector = [](Vec3<double> v) { return ::reference::Vector{v.x, v.y, v.z}; };
+  const auto vector = [](Vec3<double> v) { return independent::Vector{v.x, v.y, v.z}; };
   const Paint& p = s.paint;
   const Real diameter = static_cast<Real>(p.flake_diameter_um) * 1e-6L;
   return {.flakes_per_m2 = static_cast<Real>(p.flakes_per_mm2) * 1e6L,
-          .flake_area = ::reference::kPi / 4 * diameter * diameter,
+          .flake_area = independent::kPi / 4 * diameter * diameter,
           .area_spread = p.flake_area_spread,
           .orientation = {static_cast<int>(p.orientation), p.tilt},
           .flake_spread = p.flake_spread,

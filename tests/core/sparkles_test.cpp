@@ -45,7 +45,7 @@ TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
   Worst count, mean, variance, brdf, depth;
   for (int k = 0; k < 40; ++k) {
     TestScene scene = random_scene(random);
-    const reference::Orientations known = reference::orientations(reference_scene(scene));
+    const independent::Orientations known = independent::orientations(reference_scene(scene));
     // The costly integrals belong to orientation and angles: everything else varies within.
     for (int i = 0; i < 50; ++i) {
       const TestScene angles = scene;
@@ -57,8 +57,8 @@ TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
       scene.light_sine = rounded(random.log_uniform(1e-4, 0.5));
       set_count(scene, random.log_uniform(1e-3, 1e5));
       const ExpectedSparkles<double> found = scene.expect<double>();
-      const reference::Result exact = reference::sparkles(reference_scene(scene), known);
-      const Real places = exact.fill / reference::area_moment(other.flake_area_spread, 1, 1e30L);
+      const independent::Result exact = independent::sparkles(reference_scene(scene), known);
+      const Real places = exact.fill / independent::area_moment(other.flake_area_spread, 1, 1e30L);
       const bool crowded = places < kPoissonSlots && exact.count > std::floor(places);
       if (!crowded) count.see(relative_error(found.mean_count, exact.count), scene);
       const auto found_mean = channels(mean_radiance(found));
@@ -210,9 +210,10 @@ TEST(Sparkles, PublishedRadianceIsExactTimesInnerOverOuterCosine) {
     const double exact = mean_radiance(scene.expect<double>()).z;
     scene.paint.radiometry = Radiometry::published;
     const double published = mean_radiance(scene.expect<double>()).z;
-    const Real theta = reference::angle(reference_scene(scene).normal, reference_scene(scene).view);
+    const Real theta =
+        independent::angle(reference_scene(scene).normal, reference_scene(scene).view);
     const Real ratio =
-        std::cos(reference::refracted_angle(theta, scene.paint.binder_ior)) / std::cos(theta);
+        std::cos(independent::refracted_angle(theta, scene.paint.binder_ior)) / std::cos(theta);
     mean.see(relative_error(published / exact, ratio), scene);
   }
   mean.expect_at_most(1e-12);
@@ -272,7 +273,7 @@ TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
     const auto expected = scene.expect<double>();
     const double mean = mean_radiance(expected).x;
     const Real x = expected.slant.x;
-    const Real a1 = reference::averaged(x), m = reference::averaged(2 * x) / (a1 * a1);
+    const Real a1 = independent::averaged(x), m = independent::averaged(2 * x) / (a1 * a1);
     const Real s = scene.paint.flake_area_spread;
     worst.see(relative_error(radiance_variance(expected).x / (mean * mean),
                              (1 + s * s) * m / expected.mean_count),

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace reference {
+namespace independent {
 
 using Real = long double;
 inline constexpr Real kPi = 3.141592653589793238462643383279502884L;
@@ -349,4 +349,4 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
   return result;
 }
 
-}  // namespace reference
+}  // namespace independent
