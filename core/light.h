@@ -27,8 +27,8 @@ struct Light {
 // cancels for small lights nor saturates for large ones.
 template <class T>
 struct SeenLight {
-  Vec3<Wide<T>> direction;  // unit
-  T sin2_half_radius;       // h
+  Vec3<Wide<T>> direction;   // unit
+  Wide<T> sin2_half_radius;  // h
   bool visible = false;
 };
 
@@ -52,15 +52,14 @@ SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
   if (light.kind == LightKind::positional) sine = light.size / distance;
   sine = std::clamp(sine, W(0), W(1));
   // 1 - cos = sin^2/(1 + cos).
-  const W h = W(0.5) * (sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))));
-  seen.sin2_half_radius = static_cast<T>(h);
+  seen.sin2_half_radius = W(0.5) * (sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))));
   return seen;
 }
 
 // Angles by their half chord: exact for small and large ones alike.
 template <class T>
 T angular_radius(const SeenLight<T>& light) {
-  return std::numbers::pi_v<T> - 2 * arccosine(std::sqrt(light.sin2_half_radius));
+  return std::numbers::pi_v<T> - 2 * arccosine(static_cast<T>(std::sqrt(light.sin2_half_radius)));
 }
 template <class T>
 T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {

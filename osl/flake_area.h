@@ -11,20 +11,24 @@
 struct AreaMoments {
   float mean;
   float square;
+  float cube;
 };
 
 AreaMoments area_moments(float spread)
 {
   AreaMoments moments;
+  float variance = spread * spread;
   if (spread * NORMAL_REACH <= 1.0) {
     moments.mean = 1.0;
-    moments.square = 1.0 + spread * spread;
+    moments.square = 1.0 + variance;
+    moments.cube = 1.0 + 3.0 * variance;
     return moments;
   }
   float positive = normal_cdf(1.0 / spread);
   float edge = spread * normal_density(1.0 / spread);
   moments.mean = positive + edge;
-  moments.square = (1.0 + spread * spread) * positive + edge;
+  moments.square = (1.0 + variance) * positive + edge;
+  moments.cube = (1.0 + 3.0 * variance) * positive + (1.0 + 2.0 * variance) * edge;
   return moments;
 }
 
@@ -36,6 +40,7 @@ AreaMoments capped_area_moments(float spread, float cap, AreaMoments whole)
   if (spread * NORMAL_REACH <= 1.0 - cap) {
     moments.mean = cap;
     moments.square = cap * cap;
+    moments.cube = cap * cap * cap;
     return moments;
   }
   if (cap < spread) {
@@ -44,20 +49,27 @@ AreaMoments capped_area_moments(float spread, float cap, AreaMoments whole)
     gauss_rule(node, weight);
     float mean = 0.0;
     float square = 0.0;
+    float cube = 0.0;
     for (int i = 0; i < GAUSS_POINTS; ++i) {
       float x = cap * node[i];
       float term = weight[i] * normal_cdf((1.0 - x) / spread);
       mean = mean + term;
       square = square + term * x;
+      cube = cube + term * x * x;
     }
     moments.mean = cap * mean;
     moments.square = 2.0 * cap * square;
+    moments.cube = 3.0 * cap * cube;
     return moments;
   }
   float d = (1.0 - cap) / spread;
   float above = normal_cdf(d);
   float edge = spread * normal_density(d);
   moments.mean = whole.mean - ((1.0 - cap) * above + edge);
-  moments.square = whole.square - ((1.0 + spread * spread - cap * cap) * above + (1.0 + cap) * edge);
+  float variance = spread * spread;
+  float cap2 = cap * cap;
+  moments.square = whole.square - ((1.0 + variance - cap2) * above + (1.0 + cap) * edge);
+  moments.cube = whole.cube - ((1.0 + 3.0 * variance - cap2 * cap) * above +
+                               (1.0 + cap + cap2 + 2.0 * variance) * edge);
   return moments;
 }

@@ -184,6 +184,26 @@ color draw_sparkle(ExpectedSparkles expected, float area_spread, HashWords words
                dimmed(share, expected.slant[2], depth));
 }
 
+float sum_of_many(ExpectedSparkles expected, float x, float count, float w)
+{
+  float mean_area = expected.area.mean;
+  float share = mean_area / expected.fill;
+  float m1 = mean_transmittance(x);
+  float m2 = expected.area.square / (mean_area * mean_area) * mean_transmittance(2.0 * x);
+  float m3 = expected.area.cube / (mean_area * mean_area * mean_area) * mean_transmittance(3.0 * x);
+  float variance = m2 - m1 * m1;
+  if (!(variance > m2 * 1e-5))
+    return share * m1 * count;
+  float spread = sqrt(variance * count);
+  float skewness = (m3 - 3.0 * m2 * m1 + 2.0 * m1 * m1 * m1) / (variance * spread);
+  float c = clamp(skewness / 6.0, -0.25, 0.25);
+  for (int i = 0; i < 2; ++i) {
+    float q = 1.0 + 2.0 * c * c;
+    c = clamp(skewness * q * sqrt(q) / (6.0 + 8.0 * c * c), -0.25, 0.25);
+  }
+  return share * (m1 * count + spread * (w + c * (w * w - 1.0)) / sqrt(1.0 + 2.0 * c * c));
+}
+
 Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords key, int pixel_x,
                        int pixel_y)
 {
@@ -205,19 +225,10 @@ Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords k
       sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
   }
   else {
-    color mean = mean_sparkle(expected);
-    color variance = max(mean_square_sparkle(expected) - mean * mean, color(0.0));
-    color margin = mean * mean * count - variance * 64.0;
-    if (min(min(margin[0], margin[1]), margin[2]) >= 0.0) {
-      float w = sqrt(count) * normal_quantile(uniform_48(words.z, words.w));
-      sum = mean * count + w * sqrt(variance);
-    }
-    else {
-      for (int i = 1; i <= DRAWN_SPARKLES; ++i)
-        sum = sum + draw_sparkle(expected, area_spread, draw_words(key, pixel_x, pixel_y, i));
-      float n = (float)DRAWN_SPARKLES;
-      sum = mean * count + (sum - mean * n) * sqrt(count / n);
-    }
+    float w = normal_quantile(uniform_48(words.z, words.w));
+    sum = color(sum_of_many(expected, expected.slant[0], count, w),
+                sum_of_many(expected, expected.slant[1], count, w),
+                sum_of_many(expected, expected.slant[2], count, w));
   }
   sparkles.radiance = min(max(expected.mirror * sum, color(0.0)), color(expected.ceiling));
   return sparkles;

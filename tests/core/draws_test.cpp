@@ -253,7 +253,7 @@ TEST(Draws, ColoursOfOneSparkleFollowTheirOwnDepths) {
     expected.mean_count = 0.5;
     expected.slots = 1;
     expected.fill = 100;
-    expected.area = {1, 1};
+    expected.area = {1, 1, 1};
     expected.slant = {0, random.uniform(0.1, 2), random.uniform(2, 5)};
     expected.mirror = {1, 1, 1};
     expected.ceiling = 1;

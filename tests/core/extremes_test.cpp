@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Wherever a renderer may go, numbers stay finite and not negative: in double and in float.
+// Wherever a renderer may go, numbers stay finite and not negative, in double and in float, no
+// operation is invalid, divides by zero or overflows, and limits are the right ones.
+#include <cfenv>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -48,12 +50,15 @@ void for_directions(TestScene scene, const Visit& visit) {
 
 template <class T>
 void expect_sound(const TestScene& scene, const Layer<T>& layer) {
+  std::feclearexcept(FE_ALL_EXCEPT);
   const auto expected = expect_sparkles(layer, scene.point<T>(), scene.seen<T>());
   const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
   const auto drawn = draw_sparkles(expected, layer.area_spread, stream_key(1, 0, 2, 3), 5, 7);
   const Rgb<T> brdf =
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
+  const int raised = std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
   const char* type = sizeof(T) == 4 ? "float" : "double";
+  ASSERT_EQ(raised, 0) << type << " floating-point exceptions " << raised << ' ' << scene;
   ASSERT_TRUE(sound(expected.mean_count)) << type << ' ' << expected.mean_count << ' ' << scene;
   ASSERT_TRUE(sound(expected.fill)) << type << ' ' << expected.fill << ' ' << scene;
   ASSERT_TRUE(sound(expected.ceiling)) << type << ' ' << expected.ceiling << ' ' << scene;
@@ -166,6 +171,223 @@ TEST(Extremes, RandomValidPaints) {
     ASSERT_NO_THROW(validate(p)) << scene;
     expect_sound_everywhere(scene);
   }
+}
+
+// The four rounding modes move every last place: results that depend on them do so by their own
+// rounding only (Kahan's test).
+class RoundingModes : public testing::TestWithParam<int> {
+ protected:
+  void TearDown() override { std::fesetround(FE_TONEAREST); }
+};
+
+template <class T>
+void expect_stable(int mode, double ulps_of_count, double ulps_of_radiance) {
+  Random random(51);
+  Worst count, mean, variance;
+  for (int k = 0; k < 3'000; ++k) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    aim(scene, random, 3);
+    scene.light_sine = rounded(random.log_uniform(1e-4, 0.3));
+    set_count(scene, random.log_uniform(0.01, 1e4));
+    scene = rounded(scene);
+    const auto nearest = scene.expect<T>();
+    std::fesetround(mode);
+    const auto moved = scene.expect<T>();
+    const T moved_mean = mean_radiance(moved).y, moved_variance = radiance_variance(moved).y;
+    std::fesetround(FE_TONEAREST);
+    // One more or less of a pixel's places is no rounding.
+    if (moved.slots != nearest.slots) continue;
+    const auto see = [&](Worst& worst, T a, T b) {
+      worst.see(relative_error(a, b) / std::numeric_limits<T>::epsilon(), scene);
+    };
+    see(count, moved.mean_count, nearest.mean_count);
+    see(mean, moved_mean, mean_radiance(nearest).y);
+    if (nearest.slots == 0) see(variance, moved_variance, radiance_variance(nearest).y);
+  }
+  count.expect_at_most(ulps_of_count, "count");
+  mean.expect_at_most(ulps_of_radiance, "mean");
+  variance.expect_at_most(2 * ulps_of_radiance, "variance");
+}
+
+TEST_P(RoundingModes, MoveResultsByTheirRounding) {
+  expect_stable<double>(GetParam(), 16, 64);
+  // 1e-5 in units of 1.2e-7 to the nearest, twice that where all roundings go one way: directions
+  // in float decide P of narrow tilts.
+  expect_stable<float>(GetParam(), 168, 168);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RoundingModes,
+                         testing::Values(FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO));
+
+// The paint face on: light, observer and flakes along the normal.
+TestScene face_on() {
+  TestScene scene;
+  scene.normal = scene.view = scene.light = {0, 0, 1};
+  scene.light_sine = 0.01;
+  scene.footprint = 1e-4;
+  scene.paint.flake_area_spread = 0;
+  scene.paint.flake_spread = 0;
+  return scene;
+}
+
+TEST(Limits, NothingPaintedShowsNothing) {
+  TestScene scene = face_on();
+  scene.paint.flakes_per_mm2 = 0;
+  EXPECT_EQ(scene.expect<double>().mean_count, 0);
+  EXPECT_EQ(mean_radiance(scene.expect<double>()).x, 0);
+  scene = face_on();
+  scene.footprint = 0;
+  EXPECT_EQ(scene.expect<double>().mean_count, 0);
+}
+
+TEST(Limits, ThinLayersLetAllThroughAndThickOnesShowTheirTop) {
+  TestScene scene = face_on();
+  scene.paint.flakes_per_mm2 = 1e-3;
+  const double clear = mean_radiance(scene.expect<double>()).x;
+  // A = (1 - e^-x)/x with x = 2 H kappa: 1 - x/2 for small x, 1/x for large.
+  for (double depth : {1e-16, 1e-12, 1e-8}) {
+    scene.paint.layer_thickness_um = 1;
+    scene.paint.binder_absorption_per_mm = {depth / 2 * 1e3, 0, 0};
+    EXPECT_NEAR(mean_radiance(scene.expect<double>()).x / clear, 1 - depth / 2, 1e-15);
+  }
+  scene.paint.layer_thickness_um = 1e6;
+  scene.paint.binder_absorption_per_mm = {500, 0, 0};
+  EXPECT_NEAR(mean_radiance(scene.expect<double>()).x / clear, 1e-6, 1e-12);
+}
+
+TEST(Limits, LightOfNoSizeIsTheLimitOfSmallOnes) {
+  TestScene scene = face_on();
+  scene.paint.flake_spread = 0.005;
+  scene.light_sine = 0;
+  const auto none = scene.expect<double>();
+  scene.light_sine = 1e-9;
+  const auto small = scene.expect<double>();
+  // epsilon^2 + Delta^2/eta^2.
+  EXPECT_LE(relative_error(small.mean_count, none.mean_count), 1e-13);
+  EXPECT_LE(relative_error(mean_radiance(small).x, mean_radiance(none).x), 1e-13);
+  EXPECT_GT(none.mean_count, 0);
+}
+
+TEST(Limits, SpikeIsAMirrorOrNothing) {
+  // Level flakes under a light of 3 degrees: all of them sparkle, or none.
+  TestScene scene = face_on();
+  scene.paint.tilt = 1e-6;
+  scene.light_sine = 0.05;
+  const double flakes = scene.paint.flakes_per_mm2 * 1e6 * scene.footprint;
+  EXPECT_NEAR(scene.expect<double>().mean_count / flakes, 1, 1e-12);
+  EXPECT_NEAR(static_cast<double>(scene.expect<float>().mean_count) / flakes, 1, 1e-4);
+  // Turned by less than the light's radius it still holds the mirror direction, by more it does
+  // not.
+  for (double off : {0.04, 0.06}) {
+    scene.light = spherical(off, 1);
+    EXPECT_NEAR(scene.expect<double>().mean_count / flakes, off < 0.05 ? 1 : 0, 1e-12) << off;
+    EXPECT_NEAR(static_cast<double>(scene.expect<float>().mean_count) / flakes, off < 0.05 ? 1 : 0,
+                1e-4)
+        << off;
+  }
+}
+
+TEST(Limits, FlatOrientationIsEvenOverTheHalfSphere) {
+  // P = 1, p = 1/2pi: a quarter cone of solid angle w holds w/2pi of the flakes.
+  TestScene scene = face_on();
+  scene.paint.tilt = 100;
+  const double outside =
+      4 * std::numbers::pi * static_cast<double>(scene.seen<double>().sin2_half_radius);
+  const double inside = outside / (scene.paint.binder_ior * scene.paint.binder_ior);
+  const double flakes = scene.paint.flakes_per_mm2 * 1e6 * scene.footprint;
+  // To (pi/2)^2/(2 tilt^2), what the Gaussian still falls by.
+  EXPECT_NEAR(scene.expect<double>().mean_count / (flakes * inside / (8 * std::numbers::pi)), 1,
+              1.3e-4);
+}
+
+TEST(Limits, GrazingMeansFallWithTheSurfaceTransmittance) {
+  // 1 - r and cos(theta') go to zero like the cosine; seen along the surface, E[T] = cos(theta') f
+  // with f ~ (1 - r)/cos(theta_p): linear in both cosines.
+  TestScene scene = face_on();
+  const auto mean = [&](double view, double light) {
+    scene.view = {std::sqrt((1 - view) * (1 + view)), 0, view};
+    scene.light = {-std::sqrt((1 - light) * (1 + light)), 0, light};
+    return mean_radiance(scene.expect<double>()).x;
+  };
+  EXPECT_NEAR(mean(1e-9, 0.5) / mean(1e-7, 0.5), 1e-2, 1e-7);
+  EXPECT_NEAR(mean(0.5, 1e-9) / mean(0.5, 1e-7), 1e-4, 1e-9);
+  EXPECT_NEAR(mean(1e-11, 1e-11) / mean(1e-9, 1e-9), 1e-6, 1e-11);
+}
+
+TEST(Limits, IndexOneIsTheLimitOfItsNeighbours) {
+  TestScene scene = face_on();
+  scene.view = spherical(0.7, 0);
+  scene.light = spherical(0.6, 3);
+  const auto at = [&](double eta) {
+    scene.paint.binder_ior = eta;
+    return mean_radiance(scene.expect<double>()).x;
+  };
+  EXPECT_NEAR(at(1 + 1e-12) / at(1), 1, 1e-10);
+  EXPECT_NEAR(at(1 - 1e-12) / at(1), 1, 1e-10);
+}
+
+TEST(Limits, TotalReflectionShowsNothing) {
+  TestScene scene = face_on();
+  scene.paint.binder_ior = 0.5;
+  scene.view = spherical(0.5236, 0);  // beyond asin(0.5)
+  EXPECT_EQ(scene.expect<double>().mean_count, 0);
+  EXPECT_EQ(scene.expect<float>().mean_count, 0);
+}
+
+TEST(Limits, ScenesOfAnyScaleAndPlaceLookTheSame) {
+  // A point light and its pixel, scaled, and far from the origin: double resolves 1e-10 there.
+  const auto seen = [](double scale, double away) {
+    const Vec3<double> origin{away, -away, away};
+    const Light<double> light{LightKind::positional, Vec3<double>{1, 2, 5} * scale + origin,
+                              0.1 * scale};
+    return see_light(light, Vec3<double>{0.3, 0.1, 0} * scale + origin);
+  };
+  const auto plain = seen(1, 0);
+  for (double scale : {1e-6, 1e6}) {
+    const auto scaled = seen(scale, 0);
+    EXPECT_NEAR(static_cast<double>(scaled.direction.x - plain.direction.x), 0, 1e-15);
+    EXPECT_NEAR(static_cast<double>(scaled.sin2_half_radius / plain.sin2_half_radius), 1, 1e-14);
+  }
+  const auto far = seen(1, 1e6);
+  EXPECT_NEAR(static_cast<double>(far.direction.x - plain.direction.x), 0, 1e-10);
+  EXPECT_NEAR(static_cast<double>(far.sin2_half_radius / plain.sin2_half_radius), 1, 1e-9);
+  // Pixels and flakes scaled alike hold as many of them.
+  TestScene scene = face_on();
+  const double count = scene.expect<double>().mean_count;
+  scene.paint.flakes_per_mm2 *= 1e4;
+  scene.footprint *= 1e-4;
+  EXPECT_NEAR(scene.expect<double>().mean_count / count, 1, 1e-14);
+}
+
+TEST(Limits, EveryPixelCoordinateHasItsOwnSparkles) {
+  TestScene scene = face_on();
+  set_count(scene, 3);
+  const auto expected = scene.expect<double>();
+  constexpr int kLast = std::numeric_limits<int>::max(), kFirst = std::numeric_limits<int>::min();
+  double sum = 0;
+  int pixels = 0;
+  for (int corner : {0, -1, kLast, kFirst}) {
+    for (int k = 0; k < 2'000; ++k) {
+      const int x = corner > 0 ? corner - k % 50 : corner + k % 50;
+      const int y = corner > 0 ? corner - k / 50 : corner + k / 50;
+      sum += draw_sparkles(expected, 0.0, stream_key(0, 0, 1, 2), x, y).count;
+      ++pixels;
+    }
+  }
+  // 4.5 standard errors: passed by chance but once in 10^5.
+  EXPECT_NEAR(sum / pixels, expected.mean_count, 4.5 * std::sqrt(expected.mean_count / pixels));
+}
+
+TEST(Limits, CountlessSparklesAreTheirMean) {
+  TestScene scene = face_on();
+  scene.paint.flakes_per_mm2 = 1e9;
+  set_count(scene, 1e15);
+  const auto expected = scene.expect<double>();
+  const auto drawn = draw_sparkles(expected, 0.0, stream_key(0, 0, 1, 2), 3, 4);
+  EXPECT_NEAR(drawn.radiance.x / mean_radiance(expected).x, 1, 6 / std::sqrt(expected.mean_count));
+  set_count(scene, 1e-300);
+  EXPECT_EQ(draw_sparkles(scene.expect<double>(), 0.0, stream_key(0, 0, 1, 2), 3, 4).count, 0);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ TEST(FlakeArea, SmallSpreadsKeepTheNormalDeviatesOwnMoments) {
 }
 
 TEST(FlakeArea, CappedMomentsMatchQuadrature) {
-  Worst wide, narrow, wide_ordinary, narrow_ordinary;
+  Worst wide, narrow, wide_ordinary, narrow_ordinary, wide_cube, narrow_cube;
   for (float spread : spreads()) {
     const auto whole = area_moments(static_cast<double>(spread));
     const auto whole_f = area_moments(spread);
@@ -74,19 +74,25 @@ TEST(FlakeArea, CappedMomentsMatchQuadrature) {
         wide_ordinary.see(relative_error(found, exact), name, "spread", spread, "cap", cap);
         narrow_ordinary.see(relative_error(found_f, exact), name, "spread", spread, "cap", cap);
       }
+      const Real cube = independent::area_moment(spread, 3, cap);
+      wide_cube.see(relative_error(d.cube, cube), "spread", spread, "cap", cap);
+      narrow_cube.see(relative_error(f.cube, cube), "spread", spread, "cap", cap);
     }
   }
   wide_ordinary.expect_at_most(1e-14, "double_spread_to_1");
   wide.expect_at_most(1e-14, "double");
   narrow_ordinary.expect_at_most(2e-6, "float_spread_to_1");
   narrow.expect_at_most(2e-6, "float");
+  // Only the skewness of sums depends on it.
+  wide_cube.expect_at_most(1e-13, "cube_double");
+  narrow_cube.expect_at_most(5e-5, "cube_float");
 }
 
 template <class T>
 void expect_sound_moments() {
   for (float spread : spreads()) {
     const auto whole = area_moments(static_cast<T>(spread));
-    AreaMoments<T> previous{0, 0};
+    AreaMoments<T> previous{0, 0, 0};
     for (double c = 1e-9; c < 1e5; c *= 1.1) {
       const T cap = static_cast<T>(c);
       const auto capped = capped_area_moments(static_cast<T>(spread), cap, whole);
@@ -99,6 +105,9 @@ void expect_sound_moments() {
       ASSERT_LE(capped.mean * capped.mean, capped.square * slack)
           << "spread " << spread << " cap " << cap;
       ASSERT_LE(capped.square, cap * capped.mean * slack) << "spread " << spread << " cap " << cap;
+      ASSERT_GE(capped.cube, 0) << "spread " << spread << " cap " << cap;
+      ASSERT_LE(capped.cube, cap * capped.square * T(1.0001))
+          << "spread " << spread << " cap " << cap;
       ASSERT_GE(capped.mean * slack, previous.mean) << "spread " << spread << " cap " << cap;
       previous = capped;
     }
@@ -114,6 +123,7 @@ TEST(FlakeArea, EqualFlakesHaveNoSpread) {
   const auto whole = area_moments(0.0);
   EXPECT_EQ(whole.mean, 1);
   EXPECT_EQ(whole.square, 1);
+  EXPECT_EQ(whole.cube, 1);
   EXPECT_EQ(capped_area_moments(0.0, 2.0, whole).mean, 1);
   EXPECT_EQ(capped_area_moments(0.0, 1.0, whole).square, 1);
   EXPECT_EQ(capped_area_moments(0.0, 0.25, whole).mean, 0.25);

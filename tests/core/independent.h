@@ -225,7 +225,7 @@ inline Real area_moment(Real spread, int power, Real cap) {
   return integrate(
       [&](Real w) {
         const Real x = std::min(std::max<Real>(0, 1 + spread * w), cap);
-        return (power == 1 ? x : x * x) * std::exp(-w * w / 2) / std::sqrt(2 * kPi);
+        return std::pow(x, power) * std::exp(-w * w / 2) / std::sqrt(2 * kPi);
       },
       edges);
 }

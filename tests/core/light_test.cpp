@@ -38,8 +38,8 @@ TEST(Light, AngularRadiusIsKeptToTheLastPlaces) {
 
 TEST(Light, SolidAngleOfASmallDiscIsFlat) {
   const double radius = 1e-5;
-  EXPECT_NEAR(4 * sun<double>({0, 0, 1}, std::sin(radius)).sin2_half_radius / (radius * radius), 1,
-              1e-10);
+  const auto seen = sun<double>({0, 0, 1}, std::sin(radius));
+  EXPECT_NEAR(static_cast<double>(4 * seen.sin2_half_radius) / (radius * radius), 1, 1e-10);
 }
 
 TEST(Light, PositionalLightShowsItsRadiusOverItsDistance) {
@@ -67,7 +67,8 @@ TEST(Light, PositionalLightFarAwayIsParallel) {
   const auto far = see_light<double>({LightKind::positional, {3e15, 0, 4e15}, 5e13}, {1, 2, 3});
   EXPECT_NEAR(static_cast<double>(far.direction.x), 0.6, 1e-14);
   EXPECT_NEAR(static_cast<double>(far.direction.z), 0.8, 1e-14);
-  EXPECT_NEAR(far.sin2_half_radius, sun<double>({0, 0, 1}, 0.01).sin2_half_radius, 1e-16);
+  EXPECT_NEAR(static_cast<double>(far.sin2_half_radius),
+              static_cast<double>(sun<double>({0, 0, 1}, 0.01).sin2_half_radius), 1e-16);
 }
 
 TEST(Light, PositionalLightAroundThePointFillsHalfTheSky) {

@@ -490,7 +490,8 @@ TEST(Sparkles, EqualIndicesLeaveTheDirectionsAlone) {
   scene.paint.flake_area_spread = 0;
   const auto expected = scene.expect<double>();
   const auto layer = scene.layer<double>();
-  const double outside = 4 * std::numbers::pi * scene.seen<double>().sin2_half_radius;
+  const double outside =
+      4 * std::numbers::pi * static_cast<double>(scene.seen<double>().sin2_half_radius);
   const double cosine = std::sqrt(0.75);  // alpha = theta, beta = 0
   const double density = orientation_density(layer.orientation, 0.0);
   EXPECT_LE(relative_error(expected.mean_count, layer.areal_density * scene.footprint * density *
