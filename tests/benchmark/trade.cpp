@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "choices.h"
+#include "explicit.h"
 #include "measure.h"
 
 namespace {
@@ -21,10 +22,10 @@ using namespace trade;
 struct Effort {
   int size, rounds;
   std::size_t timed_pixels;
-  int judged_pixels, draws, draws_of_sums;
+  int judged_pixels, draws, draws_of_sums, traced_pixels;
 };
-constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 18};
-constexpr Effort kQuick{128, 9, 2048, 6, 2048, 1 << 14};
+constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 18, 16384};
+constexpr Effort kQuick{128, 9, 2048, 6, 2048, 1 << 14, 1024};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
 constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
@@ -236,14 +237,16 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   write_floats(folder / (scene.name + "-base.raw"), picture.base);
 
   const Layer<double> layer = make_layer<double>(scene.paint);
-  double most = 0;
+  double sparkles = 0, flakes = 0;  // in the brightest pixel
   for (const auto& point : picture.points) {
-    most =
-        std::max(most, expect_sparkles(layer, point, see_light(kSun, point.position)).mean_count);
+    const double count = expect_sparkles(layer, point, see_light(kSun, point.position)).mean_count;
+    if (count > sparkles) flakes = layer.areal_density * point.footprint;
+    sparkles = std::max(sparkles, count);
   }
   out << "{\"name\": " << quoted(scene.name) << ", \"what\": " << quoted(scene.what)
-      << ", \"most_sparkles\": " << most << ", \"draws\": " << effort.draws
-      << ", \"judged\": " << judged.size() << ",\n \"floor\": {\"counts\": ";
+      << ", \"sparkles\": " << sparkles << ", \"flakes\": " << flakes
+      << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
+      << ",\n \"floor\": {\"counts\": ";
   write_errors(out, floor_counts);
   out << ", \"own\": ";
   write_errors(out, floor_own);
@@ -288,7 +291,7 @@ void write_samplers(std::ostream& out) {
 constexpr int kSumCounts[] = {1, 2, 3, 5, 8, 12, 17, 24, 33, 48, 65, 100};
 
 // The law of the sum of N sparkles: its Wasserstein distance from the exact one in standard
-// deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N. In the brightest pixel of `scene`.
+// deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N. In a middling pixel of `scene`.
 template <class Sum>
 void write_sum(std::ostream& out, const std::string& name, const Scene& scene, int draws,
                const Sum& sum, const char* comma = ",") {
@@ -320,11 +323,30 @@ void write_sums(std::ostream& out, const Scene& scene, int draws) {
   out << ",\n\"sums\": [";
   write_sum(out, "each drawn, other numbers", scene, draws, EachDrawn{kOtherSparkles});
   write_sum(out, "64 drawn, then normal", scene, draws, DrawnThenNormal<64>{});
-  write_sum(out, "16 drawn, then normal (shipped)", scene, draws, DrawnThenNormal<16>{});
+  write_sum(out, "16 drawn, then normal", scene, draws, DrawnThenNormal<16>{});
   write_sum(out, "4 drawn, then normal", scene, draws, DrawnThenNormal<4>{});
   write_sum(out, "normal always", scene, draws, DrawnThenNormal<0>{});
   write_sum(out, "N × mean sparkle", scene, draws, CountTimesMean{}, "");
   out << ']';
+}
+
+void write_explicit(std::ostream& out, int pixels) {
+  out << "\"explicit\": ";
+  write_list(out, explicit_cases(), [&](const ExplicitCase& c) {
+    const ExplicitFound f = trace(c, pixels);
+    const auto share = [&](const char* name, Share s) {
+      out << quoted(name) << ": {\"mean\": " << s.mean << ", \"square\": " << s.square << "}, ";
+    };
+    out << "{\"varied\": " << quoted(c.varied) << ", \"value\": " << c.value
+        << ", \"count\": " << f.count << ", ";
+    share("traced", f.traced);
+    share("attenuated", f.attenuated);
+    share("thinned", f.thinned);
+    out << "\"deviation_of_mean\": " << f.deviation_of_mean
+        << ", \"distance\": {\"attenuated\": " << f.distance_attenuated
+        << ", \"thinned\": " << f.distance_thinned << ", \"floor\": " << f.floor
+        << "}, \"flakes\": " << f.flakes << ", \"seconds\": " << f.seconds << '}';
+  });
 }
 
 void run(const std::filesystem::path& folder, const Effort& effort) {
@@ -339,6 +361,9 @@ void run(const std::filesystem::path& folder, const Effort& effort) {
   write_samplers(out);
   out << ",\n";
   write_sums(out, scenes()[1], effort.draws_of_sums);
+  std::cout << "Tracing flakes one by one…" << std::endl;
+  out << ",\n";
+  write_explicit(out, effort.traced_pixels);
   out << "}\n";
   out.close();
   if (!out) throw std::runtime_error("cannot write " + (folder / "measurements.json").string());
