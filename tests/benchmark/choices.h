@@ -143,6 +143,7 @@ struct Group {
   std::string name;
   std::string exact, shipped;
   std::vector<Option> options;
+  bool same_program = true;  // the shipped option is the very program of the other groups'
 };
 
 template <class T = float>
@@ -195,11 +196,12 @@ inline std::vector<Group> groups() {
        {{"exact", coated(0)},
         {"table of 64", coated(64)},
         {"table of 256", coated(256)},
-        {"table of 1024", coated(1024)}}},
+        {"table of 1024", coated(1024)}},
+       false},
       {"count",
        "inversion at every mean",
        "Cornish–Fisher from 32",
-       {{"Cornish–Fisher from 32", shipped()},
+       {{"Cornish–Fisher from 32", counting<CoreCount>()},
         {"inversion at every mean", counting<Inversion>()},
         {"Cornish–Fisher from 16", counting<InversionThen<cornish_fisher, 16>>()},
         {"Cornish–Fisher from 4", counting<InversionThen<cornish_fisher, 4>>()},
@@ -210,17 +212,19 @@ inline std::vector<Group> groups() {
         {"normal from 32", counting<InversionThen<normal, 32>>()},
         {"normal always", counting<InversionThen<normal, 0>>()},
         {"std::poisson_distribution", counting<StandardLibrary>(), Numbers::own},
-        {"Bernoulli below 0.1", counting<Bernoulli>()}}},
+        {"Bernoulli below 0.1", counting<Bernoulli>()}},
+       false},
       {"sum over N",
        "each drawn",
        "16 drawn, then normal",
-       {{"16 drawn, then normal", shipped(), Numbers::counts},
+       {{"16 drawn, then normal", summing<CoreSum>(), Numbers::counts},
         {"each drawn", summing<EachDrawn>()},
         {"64 drawn, then normal", summing<DrawnThenNormal<64>>(), Numbers::counts},
         {"4 drawn, then normal", summing<DrawnThenNormal<4>>(), Numbers::counts},
         {"normal always", summing<DrawnThenNormal<0>>(), Numbers::counts},
         {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
-        {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
+        {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}},
+       false},
       {"radiometry",
        "exact",
        "exact",

@@ -4,7 +4,7 @@
 // is nearer, and when.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <ctime>
@@ -122,6 +122,29 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
   found.attenuated = {mean_transmittance(depth), mean_transmittance(2 * depth)};
   found.thinned = {found.attenuated.mean, found.attenuated.mean};  // s is 0 or 1
   return found;
+}
+
+// Seconds that one pixel takes if each of its flakes is traced.
+inline double seconds_to_trace(const Paint& paint, const SurfacePoint<double>& point,
+                               const Light<double>& sun) {
+  // The pixel's plane turned to z = 0: only the three cosines matter.
+  const double cos_view = dot(point.normal, point.view), cos_light = dot(point.normal, sun.vector);
+  const double sin_view = std::sqrt(1 - cos_view * cos_view);
+  const double sin_light = std::sqrt(1 - cos_light * cos_light);
+  const double cos_azimuth = std::clamp(
+      (dot(point.view, sun.vector) - cos_view * cos_light) / (sin_view * sin_light), -1.0, 1.0);
+  reference::ExplicitScene scene;
+  scene.paint = paint;
+  scene.view = {sin_view, 0, cos_view};
+  scene.light = {sin_light * cos_azimuth, sin_light * std::sqrt(1 - cos_azimuth * cos_azimuth),
+                 cos_light};
+  scene.light_radius = std::asin(sun.size);
+  scene.footprint = point.footprint;
+  scene.pixels = 16;
+  const std::clock_t start = std::clock();
+  reference::trace_explicit_flakes(scene);
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC /
+         static_cast<double>(scene.pixels);
 }
 
 }  // namespace trade

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "choices.h"
 #include "explicit.h"
@@ -33,8 +34,9 @@ constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum'
 struct Measured {
   std::string group;
   Option option;
-  bool exact, shipped;
+  bool exact = false, shipped = false, copy = false;  // copy: of the shipped program
   std::unique_ptr<Model> model;
+  double seconds_to_make = 0;   // its tables
   std::vector<double> seconds;  // per pixel, of each round
   Errors error;
   std::string picture;
@@ -44,14 +46,16 @@ std::vector<Measured> make_models(const Scene& scene) {
   std::vector<Measured> all;
   for (const Group& group : groups()) {
     for (const Option& option : group.options) {
-      all.push_back({group.name,
-                     option,
-                     option.name == group.exact,
-                     option.name == group.shipped,
-                     option.make(scene.paint),
-                     {},
-                     {},
-                     {}});
+      Measured m;
+      m.group = group.name;
+      m.option = option;
+      m.exact = option.name == group.exact;
+      m.shipped = option.name == group.shipped;
+      m.copy = m.shipped && group.same_program;
+      const std::clock_t start = std::clock();
+      m.model = option.make(scene.paint);
+      m.seconds_to_make = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+      all.push_back(std::move(m));
     }
   }
   return all;
@@ -237,15 +241,22 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   write_floats(folder / (scene.name + "-base.raw"), picture.base);
 
   const Layer<double> layer = make_layer<double>(scene.paint);
-  double sparkles = 0, flakes = 0;  // in the brightest pixel
-  for (const auto& point : picture.points) {
-    const double count = expect_sparkles(layer, point, see_light(kSun, point.position)).mean_count;
-    if (count > sparkles) flakes = layer.areal_density * point.footprint;
-    sparkles = std::max(sparkles, count);
-  }
+  const SurfacePoint<double>& brightest = *std::max_element(
+      picture.points.begin(), picture.points.end(), [&](const auto& a, const auto& b) {
+        return expect_sparkles(layer, a, see_light(kSun, a.position)).mean_count <
+               expect_sparkles(layer, b, see_light(kSun, b.position)).mean_count;
+      });
   out << "{\"name\": " << quoted(scene.name) << ", \"what\": " << quoted(scene.what)
-      << ", \"sparkles\": " << sparkles << ", \"flakes\": " << flakes
-      << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
+      << ", \"sparkles\": "
+      << expect_sparkles(layer, brightest, see_light(kSun, brightest.position)).mean_count
+      << ", \"flakes\": " << layer.areal_density * brightest.footprint << ", \"explicit\": ";
+  // So many flakes are traced one by one in reasonable time.
+  if (layer.areal_density * brightest.footprint < 1e6) {
+    out << seconds_to_trace(scene.paint, brightest, kSun);
+  } else {
+    out << "null";
+  }
+  out << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
       << ",\n \"floor\": {\"counts\": ";
   write_errors(out, floor_counts);
   out << ", \"own\": ";
@@ -255,6 +266,8 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
     out << "  {\"group\": " << quoted(m.group) << ", \"name\": " << quoted(m.option.name)
         << ", \"exact\": " << (m.exact ? "true" : "false")
         << ", \"shipped\": " << (m.shipped ? "true" : "false")
+        << ", \"copy\": " << (m.copy ? "true" : "false")
+        << ", \"seconds_to_make\": " << m.seconds_to_make
         << ", \"numbers\": " << quoted(text(m.option.numbers))
         << ", \"picture\": " << quoted(m.picture) << ", \"error\": ";
     write_errors(out, m.error);
@@ -265,7 +278,7 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   out << '}';
 }
 
-constexpr double kSamplerMeans[] = {0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000};
+constexpr double kSamplerMeans[] = {0.03, 0.09, 0.1, 0.3, 1, 3, 10, 31.9, 32, 100, 300, 1000};
 
 template <class Count>
 void write_sampler(std::ostream& out, const std::string& name, const char* comma = ",") {
@@ -288,7 +301,7 @@ void write_samplers(std::ostream& out) {
   out << ']';
 }
 
-constexpr int kSumCounts[] = {1, 2, 3, 5, 8, 12, 17, 24, 33, 48, 65, 100};
+constexpr int kSumCounts[] = {1, 2, 4, 5, 8, 12, 16, 17, 24, 33, 48, 64, 65, 100};
 
 // The law of the sum of N sparkles: its Wasserstein distance from the exact one in standard
 // deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N. In a middling pixel of `scene`.
