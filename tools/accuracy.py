@@ -7,6 +7,7 @@ import argparse
 import shutil
 from pathlib import Path
 
+import accuracy_folder
 import environments
 from processes import BUILD, ROOT, StepFailedError, describe, run_limited, run_program, run_step
 
@@ -41,6 +42,9 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="smaller pictures and samples")
     arguments = parser.parse_args()
 
+    accuracy_folder.check(arguments.out)
+    if arguments.json:
+        make_folder(arguments.json)
     environments.prepare_accuracy()
     with environments.alone():
         build()
@@ -52,6 +56,16 @@ def main() -> int:
         if arguments.json:
             report += ["--json", arguments.json]
         return _run("The report", report, {0, 1})
+
+
+def make_folder(file: Path) -> None:
+    """Finds out before the measuring whether the bars can be written."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StepFailedError(
+            f"--json {file}: no folder to write to ({error.strerror})."
+        ) from error
 
 
 def _run(what: str, command: list[str | Path], good: set[int]) -> int:

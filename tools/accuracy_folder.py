@@ -20,7 +20,9 @@ def check(out: Path) -> None:
     others = sorted(p.name for p in out.iterdir()) if out.is_dir() else []
     others = [name for name in others if name not in (REPORT, *PICTURES)]
     if others:
-        raise StepFailedError(f"--out {out}: holds {others[0]}, which ./paint accuracy did not make.")
+        raise StepFailedError(
+            f"--out {out}: holds {others[0]}, which ./paint accuracy did not make."
+        )
     report = out / REPORT
     if report.exists() and MARK not in report.read_text(errors="replace"):
         raise StepFailedError(f"{report} is not a report of ./paint accuracy.")

@@ -10,8 +10,8 @@ import numpy as np
 from accuracy_results import EXACT, SUM, TOGETHER, Choice, Results, encoded, flip_map
 
 mpl.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.axes import Axes  # noqa: E402
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
 
 COLOUR, GREY, DARK = "#0b6fb8", "#a0a0a0", "#303030"
 NONE = EXACT / 4  # where an error of nothing is drawn
@@ -73,7 +73,7 @@ def _panel(axes: Axes, title: str, points: list[tuple[Choice, float, float]]) ->
     axes.set_title(title, loc="left", fontweight="bold")
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_ylim(NONE / 1.6, 30)
+    axes.set_ylim(NONE / 1.6, 1e3)
     axes.set_yticks([NONE, 1e-6, 1e-4, 1e-2, 1], ["none", "10⁻⁶", "10⁻⁴", "10⁻²", "1"])
     times = [time for _, time, _ in points]
     low, high = min(*times, 0.8), max(*times, 1.25)
@@ -121,21 +121,20 @@ def _draws(results: Results, file: Path) -> None:
     left.set_xlabel("mean count ⟨N⟩")
     shipped_sum = results.shipped(SUM).name
     for number, entry in enumerate(data["sums"]):
-        shipped = entry["name"] == shipped_sum
-        floor = "other numbers" in entry["name"]
-        right.plot(data["counts"], np.maximum(entry["distribution"], 1e-4),
-                   ":" if floor else "-", color=GREY if floor else COLOUR if shipped else
-                   f"C{number}", lw=2.4 if shipped else 1.2, marker=".",
-                   label=entry["name"] + (" (shipped)" if shipped else " (noise floor)" * floor))  # fmt: skip
+        name, line, colour, width = entry["name"], "-", f"C{number}", 1.2
+        if name == shipped_sum:
+            name, colour, width = f"{name} (shipped)", COLOUR, 2.4
+        elif "other numbers" in name:
+            name, line, colour = f"{name} (noise)", ":", GREY
+        right.plot(data["counts"], np.maximum(entry["distribution"], 1e-4), line,
+                   color=colour, lw=width, marker=".", label=name)  # fmt: skip
     right.set_title("sum of N sparkles: distance from the exact law, in σ", loc="left")
     right.set_xlabel("count N")
-    for axes in (left, right):
+    for axes, low, high in ((left, 1e-15, 1e3), (right, 7e-5, 20)):
         axes.set_xscale("log")
         axes.set_yscale("log")
-        axes.legend(fontsize=8)
-    left.set_ylim(1e-15, 40)
-    left.legend(fontsize=8, ncols=2, loc="upper center")
-    right.set_ylim(7e-5, 1)
+        axes.set_ylim(low, high)  # with room for the legend
+        axes.legend(fontsize=8, ncols=2, loc="upper center")
     _save(figure, file)
 
 
@@ -151,7 +150,9 @@ def _depth(results: Results, file: Path) -> None:
         for row, quantity in enumerate((_mean_share, _fluctuation)):
             axes = grid[row, column]
             for model, line, colour in (("attenuated", "-", COLOUR), ("thinned", "--", "C1")):
-                axes.plot(x, [quantity(case[model]) for case in of], line, color=colour, label=model)
+                axes.plot(
+                    x, [quantity(case[model]) for case in of], line, color=colour, label=model
+                )
             axes.plot(x, [quantity(case["traced"]) for case in of], "o", color=DARK,
                       label="traced flakes")  # fmt: skip
             if "angle" not in what:
@@ -161,7 +162,7 @@ def _depth(results: Results, file: Path) -> None:
         grid[1, column].set_xlabel(PARTS.get(what, what))
     grid[0, 0].set_ylabel("mean share that the layer\nleaves of a sparkle, E[s]")
     grid[1, 0].set_ylabel("fluctuation by depth,\nE[s²]/E[s]²")
-    grid[0, 0].legend()
+    grid[0, 0].legend(loc="lower left")
     for axes in grid[0]:
         axes.set_ylim(0, 1.02)
     _save(figure, file)

@@ -33,7 +33,9 @@ class Choice:
     shipped: bool
     numbers: str  # which random numbers it shares with the exact choice: same, counts or own
     nanoseconds: dict[str, float] = field(default_factory=dict)  # by scene, as all below
-    ratios: dict[str, float] = field(default_factory=dict)  # of the time to its group's shipped choice's
+    ratios: dict[str, float] = field(
+        default_factory=dict
+    )  # of the time to its group's shipped choice's
     errors: dict[str, dict[str, float]] = field(default_factory=dict)
     flip: dict[str, float] = field(default_factory=dict)
     rmse: dict[str, float] = field(default_factory=dict)

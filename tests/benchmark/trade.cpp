@@ -24,9 +24,10 @@ struct Effort {
   int size, rounds;
   std::size_t timed_pixels;
   int judged_pixels, draws, draws_of_sums, traced_pixels;
+  std::size_t scenes;
 };
-constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 18, 16384};
-constexpr Effort kQuick{128, 9, 2048, 6, 2048, 1 << 14, 1024};
+constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 17, 16384, 5};
+constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 12, 512, 3};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
 constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
@@ -303,43 +304,62 @@ void write_samplers(std::ostream& out) {
 
 constexpr int kSumCounts[] = {1, 2, 4, 5, 8, 12, 16, 17, 24, 33, 48, 64, 65, 100};
 
-// The law of the sum of N sparkles: its Wasserstein distance from the exact one in standard
-// deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N. In a middling pixel of `scene`.
-template <class Sum>
-void write_sum(std::ostream& out, const std::string& name, const Scene& scene, int draws,
-               const Sum& sum, const char* comma = ",") {
-  const Picture picture = look(scene, 64);
-  const Layer<double> layer = make_layer<double>(scene.paint);
-  const auto point = pixels_to_judge(scene, picture, 1).front();
-  const auto expected = expect_sparkles(layer, point, see_light(kSun, point.position));
-  const auto draw = [&](const auto& sum_of, int count) {
+// The law of the sum of N sparkles in a middling pixel of `scene`: its Wasserstein distance from
+// the exact one in standard deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N.
+class SumLaws {
+ public:
+  SumLaws(const Scene& scene, int draws) : draws_(draws), spread_(scene.paint.flake_area_spread) {
+    const auto point = pixels_to_judge(scene, look(scene, 64), 1).front();
+    expected_ =
+        expect_sparkles(make_layer<double>(scene.paint), point, see_light(kSun, point.position));
+    for (int n : kSumCounts) exact_.push_back(drawn(EachDrawn{}, n));
+  }
+
+  template <class Sum>
+  std::vector<double> distances(const Sum& sum) const {
+    const double second = luminance(mean_square_sparkle(expected_));
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < exact_.size(); ++i) {
+      distances.push_back(wasserstein(drawn(sum, kSumCounts[i]), exact_[i]) /
+                          std::sqrt(kSumCounts[i] * second));
+    }
+    return distances;
+  }
+
+ private:
+  template <class Sum>
+  std::vector<double> drawn(const Sum& sum, int count) const {
     std::vector<double> values;
-    for (int i = 0; i < draws; ++i) {
+    for (int i = 0; i < draws_; ++i) {
       const HashWords key = stream_key(0, 0, 0, i);
-      const Rgb<double> value = sum_of(expected, layer.area_spread, key, 0, 0,
-                                       draw_words(key, 0, 0, 0), static_cast<double>(count));
-      values.push_back(luminance(value));
+      values.push_back(luminance(sum(expected_, spread_, key, 0, 0, draw_words(key, 0, 0, 0),
+                                     static_cast<double>(count))));
     }
     return values;
-  };
-  const double second = luminance(mean_square_sparkle(expected));
-  out << "\n {\"name\": " << quoted(name) << ", \"distribution\": ";
-  write_list(out, kSumCounts, [&](int n) {
-    out << wasserstein(draw(sum, n), draw(EachDrawn{}, n)) / std::sqrt(n * second);
-  });
-  out << '}' << comma;
-}
+  }
 
-void write_sums(std::ostream& out, const Scene& scene, int draws) {
+  int draws_;
+  double spread_;
+  ExpectedSparkles<double> expected_;
+  std::vector<std::vector<double>> exact_;
+};
+
+void write_sums(std::ostream& out, const SumLaws& laws) {
+  const auto write = [&](const char* name, const std::vector<double>& distances,
+                         const char* comma = ",") {
+    out << "\n {\"name\": " << quoted(name) << ", \"distribution\": ";
+    write_list(out, distances, [&](double d) { out << d; });
+    out << '}' << comma;
+  };
   out << "\"counts\": ";
   write_list(out, kSumCounts, [&](int n) { out << n; });
   out << ",\n\"sums\": [";
-  write_sum(out, "each drawn, other numbers", scene, draws, EachDrawn{kOtherSparkles});
-  write_sum(out, "64 drawn, then normal", scene, draws, DrawnThenNormal<64>{});
-  write_sum(out, "16 drawn, then normal", scene, draws, DrawnThenNormal<16>{});
-  write_sum(out, "4 drawn, then normal", scene, draws, DrawnThenNormal<4>{});
-  write_sum(out, "normal always", scene, draws, DrawnThenNormal<0>{});
-  write_sum(out, "N × mean sparkle", scene, draws, CountTimesMean{}, "");
+  write("each drawn, other numbers", laws.distances(EachDrawn{kOtherSparkles}));
+  write("64 drawn, then normal", laws.distances(DrawnThenNormal<64>{}));
+  write("16 drawn, then normal", laws.distances(CoreSum{}));
+  write("4 drawn, then normal", laws.distances(DrawnThenNormal<4>{}));
+  write("normal always", laws.distances(DrawnThenNormal<0>{}));
+  write("N × mean sparkle", laws.distances(CountTimesMean{}), "");
   out << ']';
 }
 
@@ -366,14 +386,16 @@ void run(const std::filesystem::path& folder, const Effort& effort) {
   std::ofstream out(folder / "measurements.json");
   out.precision(8);
   out << "{\"size\": " << effort.size << ",\n\"scenes\": ";
-  write_list(out, scenes(), [&](const Scene& scene) {
+  std::vector<Scene> measured = scenes();
+  measured.resize(effort.scenes);
+  write_list(out, measured, [&](const Scene& scene) {
     std::cout << "Measuring: " << scene.name << " (" << scene.what << ")…" << std::endl;
     write_scene(out, folder, scene, effort);
   });
   out << ",\n";
   write_samplers(out);
   out << ",\n";
-  write_sums(out, scenes()[1], effort.draws_of_sums);
+  write_sums(out, SumLaws(scenes()[1], effort.draws_of_sums));
   std::cout << "Tracing flakes one by one…" << std::endl;
   out << ",\n";
   write_explicit(out, effort.traced_pixels);
