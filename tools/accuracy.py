@@ -44,7 +44,7 @@ def main() -> int:
 
     accuracy_folder.check(arguments.out)
     if arguments.json:
-        make_folder(arguments.json)
+        check_file(arguments.json, arguments.out)
     environments.prepare_accuracy()
     with environments.alone():
         build()
@@ -58,8 +58,12 @@ def main() -> int:
         return _run("The report", report, {0, 1})
 
 
-def make_folder(file: Path) -> None:
+def check_file(file: Path, out: Path) -> None:
     """Finds out before the measuring whether the bars can be written."""
+    if out.resolve() in file.resolve().parents:
+        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
+    if file.is_dir():
+        raise StepFailedError(f"--json {file}: a folder.")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
