@@ -165,13 +165,14 @@ def scene_table(results: Results) -> Iterator[str]:
     for name, scene in results.scenes.items():
         flip = results.floor_flip[name]
         rows.append([
-            f"{name}: {scene['what']}", f"{scene['sparkles']:,.3g}", f"{scene['flakes']:,.3g}",
+            name, f"{1e3 * scene['pixel']:g} mm", f"{scene['tilt']:g}",
+            f"{scene['sparkles']:,.3g}", f"{scene['flakes']:,.3g}",
             f"{shipped.nanoseconds[name]:.0f}", number(shipped.flip[name]), number(flip["counts"]),
             number(flip["own"]),
         ])  # fmt: skip
     yield from table(
-        ["scene", "sparkles ⟨N⟩ in the brightest pixel", "its flakes", "ns a pixel, shipped",
-         "FLIP shipped : exact", "FLIP exact : other sums", "FLIP exact : other seed"],
+        ["scene", "pixel", "tilt", "sparkles ⟨N⟩ in the brightest pixel", "its flakes",
+         "ns a pixel, shipped", "FLIP shipped : exact", "FLIP exact : other sums", "FLIP exact : other seed"],
         rows,
     )  # fmt: skip
 
@@ -261,7 +262,8 @@ def report(results: Results) -> Iterator[str]:
         "- *time*: processor time of one thread from geometry to radiance, without ray tracing. "
         "All choices in turn, in random order; the median of the rounds' ratios to what ships, the "
         "geometric mean over the scenes. Tables are made once for a million pixels. Times within "
-        f"{results.tolerance:.1%} count as equal: copies of one program differ as much.",
+        f"{results.tolerance:.1%} count as equal: the same draws by code compiled apart differ as "
+        "much.",
         f"- *count, mean, deviation*: relative errors over {scene['draws']} draws of each of "
         f"{scene['judged']} pixels, from few to many sparkles; root mean square over the pixels, "
         "worst scene.",

@@ -143,7 +143,7 @@ struct Group {
   std::string name;
   std::string exact, shipped;
   std::vector<Option> options;
-  bool same_program = true;  // the shipped option is the very program of the other groups'
+  bool default_paint = true;  // the shipped option draws what the other groups' draw
 };
 
 template <class T = float>
@@ -216,8 +216,7 @@ inline std::vector<Group> groups() {
         {"normal from 32", counting<InversionThen<normal, 32>>()},
         {"normal always", counting<InversionThen<normal, 0>>()},
         {"std::poisson_distribution", counting<StandardLibrary>(), Numbers::own},
-        {"Bernoulli below 0.1", counting<Bernoulli>()}},
-       false},
+        {"Bernoulli below 0.1", counting<Bernoulli>()}}},
       {"sum over N",
        "each drawn",
        "16 drawn, then normal",
@@ -227,8 +226,7 @@ inline std::vector<Group> groups() {
         {"4 drawn, then normal", summing<DrawnThenNormal<4>>(), Numbers::counts},
         {"normal always", summing<DrawnThenNormal<0>>(), Numbers::counts},
         {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
-        {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}},
-       false},
+        {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
       {"radiometry",
        "exact",
        "exact",

@@ -15,23 +15,23 @@ namespace trade {
 using namespace metallic_paint;
 
 struct Scene {
-  std::string name, what;
-  double radius;  // of the ball, m
+  std::string name;
+  double pixel;  // its side on the ball where that is level, m
   Paint paint;
 };
 
-// The same ball from near to far: from rare bright points over texture to the mean. Flakes that lie
-// flatter than the default's are what tables see least of; those less flat show their backs.
+// From near to far: from rare bright points over texture to the mean. Flakes that lie flatter than
+// the default's are what tables see least of; those less flat show their backs.
 inline std::vector<Scene> scenes() {
   Paint narrow;
   narrow.tilt = 0.05;
   Paint wide;
   wide.tilt = 0.4;
-  return {{"near", "a ball of 0.3 m", 0.15, {}},
-          {"middle", "a ball of 1.6 m", 0.8, {}},
-          {"far", "a ball of 12 m", 6, {}},
-          {"narrow", "a ball of 1.6 m, tilt 0.05", 0.8, narrow},
-          {"wide", "a ball of 1.6 m, tilt 0.4", 0.8, wide}};
+  return {{"near", 2.5e-3, {}},
+          {"middle", 12e-3, {}},
+          {"far", 0.1, {}},
+          {"narrow", 12e-3, narrow},
+          {"wide", 12e-3, wide}};
 }
 
 inline const Light<double> kSun{LightKind::parallel, {0.36, 0.48, 0.8}, 0.00465};
@@ -47,9 +47,9 @@ inline constexpr double kGround = 0.04, kBackground = 0.15;
 
 inline Picture look(const Scene& scene, int size) {
   Picture picture{size, {}, {}};
-  const double distance = 4 * scene.radius;
-  // The image plane at distance 1 holds the ball and a rim.
+  // The ball of radius 1/4 of the distance and a rim fill the picture.
   const double half = 1.06 / std::sqrt(15.0), step = 2 * half / size;
+  const double radius = scene.pixel / (3 * step), distance = 4 * radius;
   for (int y = 0; y < size; ++y) {
     for (int x = 0; x < size; ++x) {
       const Vec3<double> through{-half + (x + 0.5) * step, half - (y + 0.5) * step, -1};
@@ -58,14 +58,14 @@ inline Picture look(const Scene& scene, int size) {
       const Vec3<double> eye{0, 0, distance};
       // |eye + t ray| = radius
       const double middle = -dot(eye, ray);
-      const double root = middle * middle - (distance * distance - scene.radius * scene.radius);
+      const double root = middle * middle - (distance * distance - radius * radius);
       if (root <= 0) {
         picture.base.push_back(static_cast<float>(kBackground));
         continue;
       }
       const double t = middle - std::sqrt(root);
       const Vec3<double> position = eye + ray * t;
-      const Vec3<double> normal = position / scene.radius;
+      const Vec3<double> normal = position / radius;
       const Vec3<double> view = ray * -1.0;
       const double lit = std::max(dot(normal, kSun.vector), 0.0);
       picture.base.push_back(static_cast<float>(kGround * lit));

@@ -35,7 +35,7 @@ constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum'
 struct Measured {
   std::string group;
   Option option;
-  bool exact = false, shipped = false, copy = false;  // copy: of the shipped program
+  bool exact = false, shipped = false, copy = false;  // copy: draws the shipped draws
   std::unique_ptr<Model> model;
   double seconds_to_make = 0;   // its tables
   std::vector<double> seconds;  // per pixel, of each round
@@ -52,7 +52,7 @@ std::vector<Measured> make_models(const Scene& scene) {
       m.option = option;
       m.exact = option.name == group.exact;
       m.shipped = option.name == group.shipped;
-      m.copy = m.shipped && group.same_program;
+      m.copy = m.shipped && group.default_paint;
       const std::clock_t start = std::clock();
       m.model = option.make(scene.paint);
       m.seconds_to_make = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
@@ -247,8 +247,8 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
         return expect_sparkles(layer, a, see_light(kSun, a.position)).mean_count <
                expect_sparkles(layer, b, see_light(kSun, b.position)).mean_count;
       });
-  out << "{\"name\": " << quoted(scene.name) << ", \"what\": " << quoted(scene.what)
-      << ", \"sparkles\": "
+  out << "{\"name\": " << quoted(scene.name) << ", \"pixel\": " << scene.pixel
+      << ", \"tilt\": " << scene.paint.tilt << ", \"sparkles\": "
       << expect_sparkles(layer, brightest, see_light(kSun, brightest.position)).mean_count
       << ", \"flakes\": " << layer.areal_density * brightest.footprint << ", \"explicit\": ";
   // So many flakes are traced one by one in reasonable time.
@@ -389,7 +389,7 @@ void run(const std::filesystem::path& folder, const Effort& effort) {
   std::vector<Scene> measured = scenes();
   measured.resize(effort.scenes);
   write_list(out, measured, [&](const Scene& scene) {
-    std::cout << "Measuring: " << scene.name << " (" << scene.what << ")…" << std::endl;
+    std::cout << "Measuring: " << scene.name << "…" << std::endl;
     write_scene(out, folder, scene, effort);
   });
   out << ",\n";
