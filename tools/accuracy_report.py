@@ -172,7 +172,8 @@ def scene_table(results: Results) -> Iterator[str]:
         ])  # fmt: skip
     yield from table(
         ["scene", "pixel", "tilt", "sparkles ⟨N⟩ in the brightest pixel", "its flakes",
-         "ns a pixel, shipped", "FLIP shipped : exact", "FLIP exact : other sums", "FLIP exact : other seed"],
+         "ns a pixel, shipped", "FLIP shipped : exact", "FLIP exact : other sums",
+         "FLIP exact : other seed"],
         rows,
     )  # fmt: skip
 
@@ -244,7 +245,8 @@ def report(results: Results) -> Iterator[str]:
     yield (
         "Flakes are discs that hide one another; s is what the layer leaves of a sparkle. One "
         "thing is varied at a time about coverage 0.5, 20° and flakes of 20 µm in 30 µm of paint; "
-        "three sparkles a pixel, under a light of 0.1 rad that makes them many."
+        "three sparkles a pixel, under a light of 0.1 rad that makes them many. What sticks out of "
+        "the layer is seen freely."
     )
     yield ""
     yield "![Mean and fluctuation of the share](depth.png)"
