@@ -7,4 +7,5 @@ PYBIND11_MODULE(_native, module) {
   bind_light(module);
   bind_evaluate(module);
   bind_functions(module);
+  bind_explicit_flakes(module);
 }

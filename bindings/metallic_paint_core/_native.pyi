@@ -104,6 +104,25 @@ def evaluate(
     "float" repeats the shader operation by operation; "double" is the reference.
     """
 
+class TracedFlakes(TypedDict):
+    count: NDArray[np.float64]  # (n,): sparkles
+    radiance: NDArray[np.float64]  # (n, 3): T, per unit irradiance normal to the light, 1/sr
+    flakes: float  # traced in all pixels
+    mean_share: NDArray[np.float64]  # (3,): E[s] over all sparkles, the share that shadowing leaves
+    mean_square_share: NDArray[np.float64]  # (3,): E[s^2]
+
+def explicit_flakes(
+    paint: Paint,
+    view: ArrayLike,
+    light: ArrayLike,
+    light_radius: float,
+    footprint: float,
+    pixels: int,
+    *,
+    shadowing: Literal["none", "attenuated", "thinned", "discs"] = "discs",
+    points: int = 16,
+    seed: int = 0,
+) -> TracedFlakes: ...
 def flake_brdf(
     paint: Paint, normal: ArrayLike, view: ArrayLike, light: ArrayLike
 ) -> NDArray[np.float64]: ...

@@ -150,8 +150,8 @@ class ProjectedArea {
 // whenever they are needed. A tile is the work of one thread at a time: one pixel of many cells, or
 // one cell of many pixels.
 
-constexpr double kFlakesPerCell = 16;  // up to four times as many
-constexpr std::int64_t kMostPerSide = std::int64_t{1} << 26;
+constexpr double kFlakesPerCell = 4;     // up to four times as many
+constexpr double kMostPerSide = 0x1p26;  // pixels of a cell
 
 struct Cell {
   std::int64_t x, y;
@@ -200,13 +200,12 @@ Plane::Plane(const ExplicitScene& given) : scene(given) {
   largest_radius = std::sqrt(disc_area * (1 + paint.flake_area_spread * kLargestDeviate) / kPi);
 
   pixel = std::sqrt(scene.footprint);
-  const double flakes_per_pixel = density * scene.footprint;
-  const double ratio = std::sqrt(flakes_per_pixel / kFlakesPerCell);
+  // Cells along a pixel, or pixels along a cell.
+  const double ratio = std::sqrt(density * scene.footprint / kFlakesPerCell);
   if (ratio >= 1) {
     cells_per_side = static_cast<std::int64_t>(ratio);
   } else {
-    const double most = static_cast<double>(kMostPerSide);
-    pixels_per_side = static_cast<std::int64_t>(std::ceil(std::min(1 / ratio, most)));
+    pixels_per_side = static_cast<std::int64_t>(std::ceil(1 / std::max(ratio, 1 / kMostPerSide)));
   }
   cell = pixel * static_cast<double>(pixels_per_side) / static_cast<double>(cells_per_side);
   no_flake = std::exp(-density * square(cell));

@@ -150,15 +150,15 @@ inline bool probability_is_cut(TestScene scene) {
   return scene.expect<double>().mean_count >= 0.999 * scene.layer<double>().areal_density;
 }
 
-inline reference::Scene reference_scene(const TestScene& s) {
-  using reference::Colour;
+inline ::reference::Scene reference_scene(const TestScene& s) {
+  using ::reference::Colour;
   using Real = long double;
   const auto colour = [](Rgb<double> c) { return Colour{c.x, c.y, c.z}; };
-  const auto vector = [](Vec3<double> v) { return reference::Vector{v.x, v.y, v.z}; };
+  const auto vector = [](Vec3<double> v) { return ::reference::Vector{v.x, v.y, v.z}; };
   const Paint& p = s.paint;
   const Real diameter = static_cast<Real>(p.flake_diameter_um) * 1e-6L;
   return {.flakes_per_m2 = static_cast<Real>(p.flakes_per_mm2) * 1e6L,
-          .flake_area = reference::kPi / 4 * diameter * diameter,
+          .flake_area = ::reference::kPi / 4 * diameter * diameter,
           .area_spread = p.flake_area_spread,
           .orientation = {static_cast<int>(p.orientation), p.tilt},
           .flake_spread = p.flake_spread,

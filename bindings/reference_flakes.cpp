@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "module.h"
+#include "reference/explicit_flakes.h"
+
+namespace py = pybind11;
+using namespace metallic_paint;
+using reference::ExplicitResult;
+using reference::ExplicitScene;
+using reference::Shadowing;
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Shadowing>, 4> kShadowings{
+    {{"none", Shadowing::none},
+     {"attenuated", Shadowing::attenuated},
+     {"thinned", Shadowing::thinned},
+     {"discs", Shadowing::discs}}};
+
+Shadowing shadowing_of(const std::string& name) {
+  for (const auto& [known, shadowing] : kShadowings) {
+    if (name == known) return shadowing;
+  }
+  throw py::value_error("shadowing is '" + name +
+                        "', but must be 'none', 'attenuated', 'thinned' or 'discs'");
+}
+
+Vec3<double> direction(const char* field, py::handle value) {
+  const Array<double> v = numbers(field, value);
+  require_shape(field, v, {3});
+  return {v.at(0), v.at(1), v.at(2)};
+}
+
+py::array_t<double> rgb(Rgb<double> value) {
+  py::array_t<double> array(3);
+  double* out = array.mutable_data();
+  out[0] = value.x, out[1] = value.y, out[2] = value.z;
+  return array;
+}
+
+py::dict explicit_flakes(const Paint& paint, py::handle view, py::handle light,
+                         py::handle light_radius, py::handle footprint, py::handle pixels,
+                         const std::string& shadowing, py::handle points, py::handle seed) {
+  ExplicitScene scene;
+  scene.paint = paint;
+  scene.view = direction("view", view);
+  scene.light = direction("light", light);
+  scene.light_radius = from_python<double>("light_radius", light_radius, kNumber);
+  scene.footprint = from_python<double>("footprint", footprint, kNumber);
+  const int count = from_python<int>("pixels", pixels, kInt32);
+  if (count < 0) reject("pixels", pixels, "from 1 to 2^26");
+  scene.pixels = static_cast<std::size_t>(count);
+  scene.shadowing = shadowing_of(shadowing);
+  scene.points = from_python<int>("points", points, kInt32);
+  scene.seed = static_cast<std::uint64_t>(from_python<int>("seed", seed, kInt32));
+  ExplicitResult traced;
+  {
+    const py::gil_scoped_release released;
+    traced = trace_explicit_flakes(scene);
+  }
+  const auto n = static_cast<py::ssize_t>(traced.count.size());
+  py::array_t<double> counts(n, traced.count.data()), radiance({n, py::ssize_t{3}});
+  for (std::size_t i = 0; i < traced.radiance.size(); ++i) {
+    double* row = radiance.mutable_data(static_cast<py::ssize_t>(i), 0);
+    row[0] = traced.radiance[i].x, row[1] = traced.radiance[i].y, row[2] = traced.radiance[i].z;
+  }
+  py::dict all;
+  all["count"] = counts;
+  all["radiance"] = radiance;
+  all["flakes"] = traced.flakes;
+  all["mean_share"] = rgb(traced.mean_share);
+  all["mean_square_share"] = rgb(traced.mean_square_share);
+  return all;
+}
+
+}  // namespace
+
+void bind_explicit_flakes(py::module_& module) {
+  module.def("explicit_flakes", &explicit_flakes, py::arg("paint"), py::arg("view"),
+             py::arg("light"), py::arg("light_radius"), py::arg("footprint"), py::arg("pixels"),
+             py::kw_only(), py::arg("shadowing") = "discs", py::arg("points") = 16,
+             py::arg("seed") = 0,
+             R"doc(Brute force: individual flakes traced one by one, on all cores (core/reference).
+
+view, light (3,): unit, away from a plane paint of normal +z. light_radius: angular, outside, rad.
+footprint: area of a square pixel, m2. pixels: their number n. shadowing: "discs", by the other
+flakes as they lie, at `points` points of each sparkling flake; "attenuated", by exp(-z t);
+"thinned", by chance with that probability; "none". Results: count (n,), radiance (n, 3) per unit
+irradiance normal to the light in 1/sr, flakes (their number), and mean_share, mean_square_share
+(3,), E[s] and E[s^2] over all sparkles of the share s that the shadowing leaves. The same for a
+seed whatever the number of cores.)doc");
+}
