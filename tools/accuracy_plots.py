@@ -213,7 +213,11 @@ def _pictures(results: Results, file: Path) -> None:
     _save(figure, file)
 
 
+CROP = 112  # pixels along a side
+
+
 def _middle(picture: np.ndarray) -> np.ndarray:
-    """64 pixels about the brightest place, up and to the right of the ball's middle."""
-    top, left = len(picture) * 4 // 10 - 32, len(picture) * 6 // 10 - 32
-    return picture[max(top, 0) : max(top, 0) + 64, left : left + 64]
+    """The part about the brightest place, up and to the right of the ball's middle."""
+    room = max(len(picture) - CROP, 0)
+    top, left = room * 3 // 10, room * 7 // 10
+    return picture[top : top + CROP, left : left + CROP]

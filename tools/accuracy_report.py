@@ -128,7 +128,10 @@ def in_short(results: Results) -> Iterator[str]:
     if dominated:
         yield f"- **What ships is off the front in: {', '.join(dominated)}.**"
     else:
-        yield "- Leave everything as it ships: no choice is both as fast and as exact."
+        yield (
+            "- Leave everything as it ships: no other choice is both as fast and as exact (but for "
+            "the number type, which the shader fixes)."
+        )
     low, high = (f(shipped.nanoseconds.values()) for f in (min, max))
     share = shipped.flip[worst] / results.floor_flip[worst]["own"]
     yield (
@@ -190,13 +193,14 @@ def choice_tables(results: Results) -> Iterator[str]:
             name = f"**{c.name}**" if c.shipped else c.name
             rows.append([
                 name, times(c.time),
-                *(f"{c.nanoseconds[scene]:,.0f}" for scene in ("near", "far")),
+                " / ".join(f"{ns:,.0f}" for ns in c.nanoseconds.values()),
                 *(number(c.worst(error)) for error in ("count", "mean", "deviation")),
                 number(c.error), worst_flip(results, c),
                 number(max(c.rmse.values())), "" if group in NOT_JUDGED[1:] else verdict(c),
             ])  # fmt: skip
+        scenes = " / ".join(results.scenes)
         yield from table(
-            ["choice", "time", "ns near", "ns far", "count", "mean", "deviation", "distribution",
+            ["choice", "time", f"ns {scenes}", "count", "mean", "deviation", "distribution",
              "FLIP", "RMSE", ""],
             rows,
         )  # fmt: skip
