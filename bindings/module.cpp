@@ -8,4 +8,5 @@ PYBIND11_MODULE(_native, module) {
   bind_evaluate(module);
   bind_functions(module);
   bind_explicit_flakes(module);
+  bind_reference_walk(module);
 }

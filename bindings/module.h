@@ -17,6 +17,7 @@ void bind_light(pybind11::module_& module);
 void bind_evaluate(pybind11::module_& module);
 void bind_functions(pybind11::module_& module);
 void bind_explicit_flakes(pybind11::module_& module);
+void bind_reference_walk(pybind11::module_& module);
 
 // A contiguous array of T.
 template <class T>
@@ -37,7 +38,7 @@ void require_broadcast(const char* fields, const std::vector<pybind11::array>& a
 template <class T>
 T from_python(const char* field, pybind11::handle value, const char* range) {
   // pybind11 would cut off the fraction of what is neither an int nor a float.
-  if (std::is_same_v<T, int> && PyIndex_Check(value.ptr()) == 0) reject(field, value, range);
+  if (std::is_integral_v<T> && PyIndex_Check(value.ptr()) == 0) reject(field, value, range);
   try {
     return value.cast<T>();
   } catch (const pybind11::cast_error&) {

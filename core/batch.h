@@ -50,7 +50,7 @@ SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     slots.seen[at] = see_light(lights[at], point.position);
-    if (slots.seen[at].visible && dot(point.normal, slots.seen[at].direction) > 0) {
+    if (slots.seen[at].visible && dot(Vec3<Wide<T>>(point.normal), slots.seen[at].direction) > 0) {
       slots.leader[at] = i;
     }
   }

@@ -27,8 +27,8 @@ struct Light {
 // cancels for small lights nor saturates for large ones.
 template <class T>
 struct SeenLight {
-  Vec3<T> direction;   // unit
-  T sin2_half_radius;  // h
+  Vec3<Wide<T>> direction;  // unit
+  T sin2_half_radius;       // h
   bool visible = false;
 };
 
@@ -39,19 +39,21 @@ inline constexpr double kLeastGap = 2e-3;
 
 template <class T>
 SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
+  using W = Wide<T>;
   SeenLight<T> seen;
   if (light.kind == LightKind::unused) return seen;
-  Vec3<T> towards = light.vector;
-  if (light.kind == LightKind::positional) towards = light.vector - position;
-  const T distance = length(towards);
+  Vec3<W> towards(light.vector);
+  if (light.kind == LightKind::positional) towards = towards - Vec3<W>(position);
+  const W distance = length(towards);
   if (!(distance > 0)) return seen;
   seen.visible = true;
   seen.direction = towards / distance;
-  T sine = light.size;
+  W sine = light.size;
   if (light.kind == LightKind::positional) sine = light.size / distance;
-  sine = std::clamp(sine, T(0), T(1));
+  sine = std::clamp(sine, W(0), W(1));
   // 1 - cos = sin^2/(1 + cos).
-  seen.sin2_half_radius = T(0.5) * (sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))));
+  const W h = W(0.5) * (sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))));
+  seen.sin2_half_radius = static_cast<T>(h);
   return seen;
 }
 
@@ -62,7 +64,8 @@ T angular_radius(const SeenLight<T>& light) {
 }
 template <class T>
 T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {
-  const T half_chord = std::min(T(0.5) * length(a.direction - b.direction), T(1));
+  const T half_chord =
+      static_cast<T>(std::min(Wide<T>(0.5) * length(a.direction - b.direction), Wide<T>(1)));
   return std::numbers::pi_v<T> - 2 * arccosine(half_chord);
 }
 

@@ -29,13 +29,7 @@ Rgb<T> mean_transmitted_area(const OrientationDensity<T>& density, const Coating
   const GaussRule<T>& rule = gauss_rule<T>();
   const T sin_theta = std::sqrt((1 - cos_theta) * (1 + cos_theta));
   const T split = pi / 2 - arccosine(cos_theta);
-  // Beyond so many tilts nothing is left: exp(-12^2/2), exp(-6.5^2); ggx has its tail.
-  T limit = pi / 2;
-  if (density.kind == Orientation::gaussian) {
-    limit = std::min(limit, kGaussianReach<T> * density.tilt);
-  } else if (density.kind == Orientation::beckmann) {
-    limit = std::min(limit, T(6.5) * density.tilt);
-  }
+  const T limit = orientation_reach(density);
   Rgb<T> sum{};
   const auto add_ring = [&](T beta, T weight) {
     const T a = cos_theta * std::cos(beta), b = sin_theta * std::sin(beta);

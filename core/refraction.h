@@ -3,6 +3,7 @@
 // The binder's surface: Snell, Fresnel, and the transformation of cones (paper, 5.3.4).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "vector.h"
@@ -11,11 +12,20 @@ namespace metallic_paint {
 
 // eta cos(theta_p), for the cosine outside and the relative index eta of the binder; negative
 // squares, i.e. total reflection (eta < 1 only), give 0. With sin(theta) = eta sin(theta_p)
-// (Snell), eta^2 cos^2(theta_p) = eta^2 - 1 + cos^2(theta); (eta - 1)(eta + 1) keeps its digits
-// near eta = 1.
+// (Snell), eta^2 cos^2(theta_p) = eta^2 - 1 + cos^2(theta). float: (eta - 1)(eta + 1) keeps its
+// digits near eta = 1. Wider types keep them next to total reflection too, where the squares
+// cancel: what rounding took from each is added at the end, and 1 goes from the one nearer to it,
+// which is exact.
 template <class T>
 T eta_cos_refracted(T cos_theta, T eta) {
-  const T square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
+  T square;
+  if constexpr (std::is_same_v<T, float>) {
+    square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
+  } else {
+    const T a = eta * eta, b = cos_theta * cos_theta;
+    const T rounding = std::fma(eta, eta, -a) + std::fma(cos_theta, cos_theta, -b);
+    square = (a < T(0.5) ? (b - 1) + a : (a - 1) + b) + rounding;
+  }
   return square > 0 ? std::sqrt(square) : T(0);
 }
 
@@ -23,24 +33,52 @@ T eta_cos_refracted(T cos_theta, T eta) {
 // than as 1 - r, so that nothing cancels at grazing angles. g = eta_cos_refracted(cos_theta, eta).
 template <class T>
 T fresnel_transmittance(T cos_theta, T g, T eta) {
-  const T s = cos_theta + g;
-  const T p = eta * eta * cos_theta + g;
+  using W = Wide<T>;
+  const W index = eta, cosine = cos_theta;
+  const W s = cosine + g;
+  const W p = index * index * cosine + g;
   if (s <= 0) return 0;  // grazing at eta = 1
-  const T product = cos_theta * g;
-  return 2 * product * (1 / (s * s) + eta * eta / (p * p));
-}
-
-// A unit vector that points away from the surface, refracted into the binder (paper, eq. 8):
-// v = V/eta + n (cos(theta_p) - cos(theta)/eta).
-template <class T>
-Vec3<T> refract_direction(Vec3<T> direction, Vec3<T> normal, T cos_theta, T g, T eta) {
-  return (direction + normal * (g - cos_theta)) / eta;
+  const W product = cosine * g;
+  return static_cast<T>(2 * product * (1 / (s * s) + index * index / (p * p)));
 }
 
 // d omega inside / d omega outside = cos(theta)/(eta^2 cos(theta_p)) (paper, eq. 7 squared).
 template <class T>
 T solid_angle_ratio(T cos_theta, T g, T eta) {
   return cos_theta / (eta * g);
+}
+
+// Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
+template <class T>
+struct Mirror {
+  bool possible = false;      // both directions above the surface, none totally reflected
+  T cos_view{}, cos_light{};  // outside
+  T g_view{}, g_light{};      // eta times the cosines in the binder
+  T cos_alpha{};              // angle on the flake
+  T sin2_half_beta{};         // flake normal to paint normal
+};
+
+// Unit vectors that point away from the surface. Refracted (paper, eq. 8), v = V/eta +
+// n (cos(theta_p) - cos(theta)/eta), so v + v' = (t + n G)/eta with the tangential part of V + V',
+// t = V + V' - n (cos(theta) + cos(theta')), and G = g + g'. Its length is s/eta = 2 cos(alpha)
+// with s^2 = t^2 + G^2, and tan(beta) = t/G, so sin^2(beta/2) = (1 - G/s)/2 = t^2/(2 s (s + G)).
+template <class T>
+Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
+  Mirror<T> mirror;
+  mirror.cos_view = std::min(dot(normal, view), T(1));
+  mirror.cos_light = std::min(dot(normal, light), T(1));
+  if (!(mirror.cos_view > 0) || !(mirror.cos_light > 0)) return mirror;
+  mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
+  mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
+  if (!(mirror.g_view > 0) || !(mirror.g_light > 0)) return mirror;
+  const Vec3<T> tangent = (view + light) - normal * (mirror.cos_view + mirror.cos_light);
+  const T tangent_square = dot(tangent, tangent);
+  const T along = mirror.g_view + mirror.g_light;
+  const T s = std::sqrt(tangent_square + along * along);
+  mirror.cos_alpha = std::min(s / (2 * eta), T(1));
+  mirror.sin2_half_beta = std::min(tangent_square / (2 * s * (s + along)), T(0.5));
+  mirror.possible = true;
+  return mirror;
 }
 
 }  // namespace metallic_paint

@@ -90,9 +90,21 @@ struct Sparkles {
 
 // P(beta) of the layer's flakes.
 template <class T>
-T flake_density(const Layer<T>& layer, T sin2_half_beta) {
-  if (layer.orientation_table != nullptr) return layer.orientation_table->at(sin2_half_beta);
-  return orientation_density(layer.orientation, sin2_half_beta);
+Wide<T> flake_density(const Layer<T>& layer, Wide<T> sin2_half_beta) {
+  if (layer.orientation_table == nullptr) {
+    return orientation_density(layer.orientation, sin2_half_beta);
+  }
+  return layer.orientation_table->at(static_cast<T>(sin2_half_beta));
+}
+
+// Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
+// Published: P at the centre of the cone, as in the paper's eq. 4, but at most 1.
+template <class T>
+Wide<T> flake_probability(const Layer<T>& layer, Wide<T> sin2_half_beta, Wide<T> sin2_half_rho) {
+  if (layer.radiometry == Radiometry::exact && layer.orientation_table == nullptr) {
+    return cap_probability(layer.orientation, sin2_half_beta, sin2_half_rho);
+  }
+  return std::min(2 * flake_density(layer, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
 }
 
 // The optical depth of the layer along view and light, given the cosines in the binder.
@@ -108,73 +120,57 @@ Rgb<T> slant_depth_of(const Layer<T>& layer, T cos_in) {
 // radiance with the same mean.
 inline constexpr int kPoissonSlots = 16;
 
+// No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
+template <class T>
+inline constexpr double kLeastCone = 1e-100;
+template <>
+inline constexpr double kLeastCone<float> = 1e-18;
+
 // `slant` overrides the layer's own optical depth t H where it is given (validation against other
 // codes).
 template <class T>
 ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>& point,
                                     const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
+  using W = Wide<T>;
+  constexpr W pi = std::numbers::pi_v<W>;
   ExpectedSparkles<T> expected;
   const bool published = layer.radiometry == Radiometry::published;
-  const T cos_view = std::min(dot(point.normal, point.view), T(1));
-  const T cos_light = std::min(dot(point.normal, light.direction), T(1));
-  // A light or an observer below the surface gives no sparkle.
-  if (!light.visible || !(cos_view > 0) || !(cos_light > 0) || !(point.footprint > 0))
-    return expected;
-
-  // Into the binder (paper, eq. 8). g = eta cos(theta_p); 0 means total reflection.
-  const T eta = layer.eta;
-  const T g_view = eta_cos_refracted(cos_view, eta);
-  const T g_light = eta_cos_refracted(cos_light, eta);
-  if (!(g_view > 0) || !(g_light > 0)) return expected;
-  const Vec3<T> view_in = refract_direction(point.view, point.normal, cos_view, g_view, eta);
-  const Vec3<T> light_in =
-      refract_direction(light.direction, point.normal, cos_light, g_light, eta);
-  const T cos_view_in = std::min(g_view / eta, T(1));
-  const T cos_light_in = std::min(g_light / eta, T(1));
-
-  // The flake that mirrors one into the other: cos(alpha) = |v + v'|/2, sin(beta/2) = |n - n_f|/2.
-  const Vec3<T> sum = view_in + light_in;
-  const T sum_length = length(sum);
-  const T cos_alpha = std::min(T(0.5) * sum_length, T(1));
-  const Vec3<T> tilt = point.normal - sum / sum_length;
-  const T sin2_half_beta = std::min(T(0.25) * dot(tilt, tilt), T(0.5));
+  if (!light.visible || !(point.footprint > 0)) return expected;
+  const W eta = layer.eta;
+  const Mirror<W> mirror =
+      mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
+  if (!mirror.possible) return expected;  // a light or an observer below the surface: no sparkle
+  const T cos_view_in = static_cast<T>(std::min(mirror.g_view / eta, W(1)));
+  const T cos_light_in = static_cast<T>(std::min(mirror.g_light / eta, W(1)));
+  const T cos_alpha = static_cast<T>(mirror.cos_alpha);
 
   // The light's cone in the binder (paper, eq. 7) and the flake's own spread: Delta_eff^2 = Delta^2
   // + epsilon^2. Published: pi Delta_a^2; exact: the true solid angle 4 pi sin^2(Delta_a/2).
-  constexpr T pi = std::numbers::pi_v<T>;
-  const T outside =
-      published ? pi * squared_angle(light.sin2_half_radius) : 4 * pi * light.sin2_half_radius;
-  const T ratio = solid_angle_ratio(cos_light, g_light, eta);
-  const T inside = outside * ratio + layer.flake_solid_angle;
+  const W h = light.sin2_half_radius;
+  const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
+  const W ratio = solid_angle_ratio(mirror.cos_light, mirror.g_light, eta);
+  W inside = outside * ratio + layer.flake_solid_angle;
   if (!(inside > 0)) return expected;  // a point light on perfect mirrors: no flake ever meets it
+  inside = std::max(inside, W(kLeastCone<T>) * std::max(ratio, W(1)));
 
-  // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4); at most 1.
-  const T density = flake_density(layer, sin2_half_beta);
-  const T probability = std::min(density * inside / (8 * pi * cos_alpha), T(1));
+  // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4).
+  const T probability = static_cast<T>(
+      flake_probability(layer, mirror.sin2_half_beta, inside / (16 * pi * mirror.cos_alpha)));
 
   // Optical depth there and back, and what it leaves on average of a beam to a random depth: A = (1
   // - e^-tH)/tH.
   expected.slant = slant != nullptr
                        ? *slant
                        : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
-  const T surface =
-      fresnel_transmittance(cos_view, g_view, eta) * fresnel_transmittance(cos_light, g_light, eta);
+  const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
+                    fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
   // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside
   // that belongs to `inside` is inside/ratio.
-  expected.ceiling = surface * ratio / inside;
+  expected.ceiling = static_cast<T>(surface * ratio / inside);
   expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
-  T visible = 1;
-  if (layer.depth_model == DepthModel::thinned) {
-    // Only the neither masked nor shadowed flakes count (paper, eq. 6), as many as the least
-    // absorbed colour sees; what the other colours lose besides dims them all alike.
-    const Rgb<T> transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
-    visible = max_component(transmitted);
-    if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
-    expected.slant = {};
-  }
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
-  const T cos_exit = published ? cos_view : cos_view_in;
+  const T cos_exit = published ? static_cast<T>(mirror.cos_view) : cos_view_in;
   // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
   // areas stay inside a float.
   const T footprint = std::clamp(point.footprint, T(1e-20), T(1e6));
@@ -183,18 +179,30 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
   T enlarged = 1;
   if (expected.area.mean < layer.area.mean) enlarged = layer.area.mean / expected.area.mean;
   // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
-  expected.mean_count = layer.areal_density * footprint * enlarged * probability * visible;
+  expected.mean_count = layer.areal_density * footprint * enlarged * probability;
 
   const T places = expected.fill / layer.area.mean;
-  if (places < T(kPoissonSlots)) {
-    // Where sparkles overlap, <N> above the places (a light about as wide as the tilt, seen from
-    // near), the Poisson count stays and the ceiling cuts some of its sums: there alone mean and
-    // variance fall below the closed form (up to 30 % and 70 % seen, at 1.2 to 2.5 places).
-    const int slots = static_cast<int>(std::max(places, T(1)));
-    if (expected.mean_count <= static_cast<T>(slots)) expected.slots = slots;
-  } else if (published && expected.mean_count < T(0.1)) {
-    expected.slots = 1;  // the paper's Bernoulli rule (step 3)
+  if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(std::max(places, T(1)));
+  const T slots = static_cast<T>(expected.slots);
+  // More sparkles than the pixel has places for (a light about as wide as the tilt, seen from near)
+  // hide each other as wholes: thinned, whatever the depth model.
+  const bool crowded = expected.slots > 0 && expected.mean_count > slots;
+  if (layer.depth_model == DepthModel::thinned || crowded) {
+    // Only the neither masked nor shadowed flakes count (paper, eq. 6), as many as the least
+    // absorbed colour sees; what the other colours lose besides dims them all alike.
+    const Rgb<T> transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
+    const T visible = max_component(transmitted);
+    if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
+    expected.mean_count = expected.mean_count * visible;
+    expected.slant = {};
   }
+  // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
+  if (expected.slots > 0 && expected.mean_count > slots) {
+    expected.mirror = expected.mirror * (expected.mean_count / slots);
+    expected.mean_count = slots;
+  }
+  // The paper's Bernoulli rule (step 3).
+  if (published && expected.slots == 0 && expected.mean_count < T(0.1)) expected.slots = 1;
   return expected;
 }
 
@@ -227,7 +235,7 @@ Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
   }
   // One place always taken has no variance, which rounding may leave below 0.
   variance = map(variance, [](T v) { return std::max(v, T(0)); });
-  return expected.mirror * expected.mirror * variance;
+  return expected.mirror * (expected.mirror * variance);
 }
 
 // So many sparkles of a pixel are drawn one by one.
@@ -296,23 +304,19 @@ Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, Ha
 // away from the surface; 0 where one of them lies below it.
 template <class T>
 Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> light) {
-  const T cos_view = dot(normal, view), cos_light = dot(normal, light);
-  if (!(cos_view > 0) || !(cos_light > 0)) return {};
-  const T eta = layer.eta;
-  const T g_view = eta_cos_refracted(cos_view, eta), g_light = eta_cos_refracted(cos_light, eta);
-  if (!(g_view > 0) || !(g_light > 0)) return {};
-  const Vec3<T> sum = refract_direction(view, normal, cos_view, g_view, eta) +
-                      refract_direction(light, normal, cos_light, g_light, eta);
-  const Vec3<T> tilt = normal - sum / length(sum);
-  const T p = flake_density(layer, std::min(T(0.25) * dot(tilt, tilt), T(0.5))) /
-              (2 * std::numbers::pi_v<T>);
-  const Rgb<T> slant = slant_depth_of(layer, std::min(g_view / eta, T(1))) +
-                       slant_depth_of(layer, std::min(g_light / eta, T(1)));
-  const Rgb<T> colour = coating_reflectance(layer.coating, std::min(length(sum) / 2, T(1))) *
+  using W = Wide<T>;
+  const W eta = layer.eta;
+  const Mirror<W> mirror = mirror_between(Vec3<W>(normal), Vec3<W>(view), Vec3<W>(light), eta);
+  if (!mirror.possible) return {};
+  const W p = flake_density(layer, mirror.sin2_half_beta) / (2 * std::numbers::pi_v<W>);
+  const Rgb<T> slant = slant_depth_of(layer, static_cast<T>(std::min(mirror.g_view / eta, W(1)))) +
+                       slant_depth_of(layer, static_cast<T>(std::min(mirror.g_light / eta, W(1))));
+  const Rgb<T> colour = coating_reflectance(layer.coating, static_cast<T>(mirror.cos_alpha)) *
                         map(slant, [](T x) { return mean_transmittance(x); });
-  const T exit = layer.radiometry == Radiometry::published ? eta * cos_view : g_view;
-  return colour * (layer.coverage * p * fresnel_transmittance(cos_view, g_view, eta) *
-                   fresnel_transmittance(cos_light, g_light, eta) / (4 * exit * g_light));
+  const W exit = layer.radiometry == Radiometry::published ? eta * mirror.cos_view : mirror.g_view;
+  const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
+                    fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
+  return colour * static_cast<T>(layer.coverage * p * surface / (4 * exit * mirror.g_light));
 }
 
 }  // namespace metallic_paint

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace metallic_paint {
 
@@ -39,6 +40,11 @@ template <class T>
 Vec3<T> operator/(Vec3<T> a, T s) {
   return {a.x / s, a.y / s, a.z / s};
 }
+
+// What T computes directions and angles in: P(beta) multiplies their rounding by beta/tilt^2, more
+// than a double has to spare. float keeps to itself, as the shader does.
+template <class T>
+using Wide = std::conditional_t<std::is_same_v<T, double>, long double, T>;
 
 template <class T>
 T dot(Vec3<T> a, Vec3<T> b) {

@@ -11,6 +11,7 @@
 #define ORIENTATION_GGX 2
 #define GAUSSIAN_REACH 5.5
 #define HALF_PI 1.57079633
+#define POINT_CAP 0.0625
 
 struct OrientationDensity {
   int kind;
@@ -87,6 +88,65 @@ float orientation_density(OrientationDensity density, float sin2_half_beta)
   }
   float d = square + (1.0 - square) * sin2;
   return 1.0 / (d * d * density.norm);
+}
+
+float orientation_reach(OrientationDensity density)
+{
+  if (density.kind == ORIENTATION_GAUSSIAN)
+    return min(HALF_PI, GAUSSIAN_REACH * density.tilt);
+  if (density.kind == ORIENTATION_BECKMANN)
+    return min(HALF_PI, 6.5 * density.tilt);
+  return HALF_PI;
+}
+
+float cap_probability(OrientationDensity density, float sin2_half_beta, float sin2_half_rho)
+{
+  float square = squared_angle(min(sin2_half_rho, 0.5));
+  float point_cap = POINT_CAP * density.tilt;
+  if (square <= point_cap * point_cap)
+    return 2.0 * orientation_density(density, sin2_half_beta) * sin2_half_rho;
+  float node[12];
+  float weight[12];
+  gauss_rule(node, weight);
+  float rho = sqrt(square);
+  float beta = sqrt(squared_angle(sin2_half_beta));
+  float sin_beta = sine(beta);
+  float whole = rho - beta;
+  float sum = 0.0;
+  float from = max(-whole, 0.0);
+  float reach = orientation_reach(density);
+  float end = min(min(beta + rho, HALF_PI), sqrt(from * from + reach * reach));
+  float edge = density.tilt;
+  while (edge <= from)
+    edge = edge * 4.0;
+  while (from < end) {
+    float to = min(edge, end);
+    if (from < whole)
+      to = min(to, whole);
+    float width = to - from;
+    for (int i = 0; i < GAUSS_POINTS; ++i) {
+      float x = node[i];
+      float b = from + width * (x * x * (3.0 - 2.0 * x));
+      float sin_half = sine(b / 2.0);
+      float sin_b = sine(b);
+      float arc = 1.0;
+      if (b > whole) {
+        float near = sine(max((b + whole) / 2.0, 0.0));
+        float far = sine(max((beta + rho - b) / 2.0, 0.0));
+        float y = near * far / (sin_beta * sin_b);
+        if (y < 0.5)
+          arc = sqrt(squared_angle(y)) / M_PI;
+        else if (y < 1.0)
+          arc = 1.0 - sqrt(squared_angle(1.0 - y)) / M_PI;
+      }
+      float ring = weight[i] * (6.0 * x * (1.0 - x)) * width * arc;
+      sum = sum + ring * sin_b * orientation_density(density, sin_half * sin_half);
+    }
+    from = to;
+    if (edge <= to)
+      edge = edge * 4.0;
+  }
+  return min(sum, 1.0);
 }
 
 float gaussian_back_area(OrientationDensity density, float cos_theta)

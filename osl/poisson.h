@@ -7,7 +7,6 @@
 
 #define POISSON_CLOSED_FORM 32.0
 #define MAX_MEAN_COUNT 1e36
-#define MOST_STEPS 128.0
 
 float count_deviate(float mean, int slots, float deviate)
 {
@@ -43,16 +42,31 @@ float count_deviate(float mean, int slots, float deviate)
     return (float)n;
   }
   if (mean < POISSON_CLOSED_FORM) {
+    float turn = mean + 2.0 * sqrt(mean);
+    float n = 0.0;
     float term = exponential(-mean);
     float survival = mean * mean_transmittance(mean);
-    float n = 0.0;
-    while (deviate < survival && n < MOST_STEPS) {
+    while (deviate < survival && n < turn) {
       n = n + 1.0;
       term = term * mean / n;
-      float next = survival - term;
-      if (n > mean && next == survival)
-        break;
-      survival = next;
+      survival = survival - term;
+    }
+    if (n < turn)
+      return n;
+    float last = n;
+    float tail = term;
+    float previous = 0.0;
+    survival = 0.0;
+    do {
+      last = last + 1.0;
+      tail = tail * mean / last;
+      previous = survival;
+      survival = survival + tail;
+    } while (survival > previous);
+    while (deviate < survival && n < last) {
+      n = n + 1.0;
+      term = term * mean / n;
+      survival = survival - term;
     }
     return n;
   }

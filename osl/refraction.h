@@ -3,6 +3,8 @@
 // The binder's surface: Snell, Fresnel, and the transformation of cones. See core/refraction.h for the derivations.
 #pragma once
 
+#include "elementary.h"
+
 float eta_cos_refracted(float cos_theta, float eta)
 {
   float square = (eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta;
@@ -21,12 +23,43 @@ float fresnel_transmittance(float cos_theta, float g, float eta)
   return 2.0 * product * (1.0 / (s * s) + eta * eta / (p * p));
 }
 
-vector refract_direction(vector direction, vector n, float cos_theta, float g, float eta)
-{
-  return (direction + n * (g - cos_theta)) / eta;
-}
-
 float solid_angle_ratio(float cos_theta, float g, float eta)
 {
   return cos_theta / (eta * g);
+}
+
+struct Mirror {
+  int possible;
+  float cos_view;
+  float cos_light;
+  float g_view;
+  float g_light;
+  float cos_alpha;
+  float sin2_half_beta;
+};
+
+Mirror mirror_between(vector n, vector view, vector light, float eta)
+{
+  Mirror mirror;
+  mirror.possible = 0;
+  mirror.cos_alpha = 1.0;
+  mirror.sin2_half_beta = 0.0;
+  mirror.g_view = 0.0;
+  mirror.g_light = 0.0;
+  mirror.cos_view = min(inner_product(n, view), 1.0);
+  mirror.cos_light = min(inner_product(n, light), 1.0);
+  if (!(mirror.cos_view > 0.0) || !(mirror.cos_light > 0.0))
+    return mirror;
+  mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
+  mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
+  if (!(mirror.g_view > 0.0) || !(mirror.g_light > 0.0))
+    return mirror;
+  vector tangent = (view + light) - n * (mirror.cos_view + mirror.cos_light);
+  float tangent_square = inner_product(tangent, tangent);
+  float along = mirror.g_view + mirror.g_light;
+  float s = sqrt(tangent_square + along * along);
+  mirror.cos_alpha = min(s / (2.0 * eta), 1.0);
+  mirror.sin2_half_beta = min(tangent_square / (2.0 * s * (s + along)), 0.5);
+  mirror.possible = 1;
+  return mirror;
 }

@@ -18,6 +18,7 @@
 #define RADIOMETRY_PUBLISHED 1
 #define POISSON_SLOTS 16
 #define DRAWN_SPARKLES 16
+#define LEAST_CONE 1e-18
 
 struct Layer {
   float areal_density;
@@ -69,6 +70,13 @@ color mean_transmittance(color x)
   return color(mean_transmittance(x[0]), mean_transmittance(x[1]), mean_transmittance(x[2]));
 }
 
+float flake_probability(Layer layer, float sin2_half_beta, float sin2_half_rho)
+{
+  if (layer.radiometry == RADIOMETRY_EXACT)
+    return cap_probability(layer.orientation, sin2_half_beta, sin2_half_rho);
+  return min(2.0 * orientation_density(layer.orientation, sin2_half_beta) * sin2_half_rho, 1.0);
+}
+
 ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight light)
 {
   ExpectedSparkles expected;
@@ -79,72 +87,65 @@ ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight li
   expected.slant = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
-  float cos_view = min(inner_product(surface.n, surface.view), 1.0);
-  float cos_light = min(inner_product(surface.n, light.direction), 1.0);
-  if (!light.visible || !(cos_view > 0.0) || !(cos_light > 0.0) || !(surface.footprint > 0.0))
+  if (!light.visible || !(surface.footprint > 0.0))
     return expected;
-
   float eta = layer.eta;
-  float g_view = eta_cos_refracted(cos_view, eta);
-  float g_light = eta_cos_refracted(cos_light, eta);
-  if (!(g_view > 0.0) || !(g_light > 0.0))
+  Mirror mirror = mirror_between(surface.n, surface.view, light.direction, eta);
+  if (!mirror.possible)
     return expected;
-  vector view_in = refract_direction(surface.view, surface.n, cos_view, g_view, eta);
-  vector light_in = refract_direction(light.direction, surface.n, cos_light, g_light, eta);
-  float cos_view_in = min(g_view / eta, 1.0);
-  float cos_light_in = min(g_light / eta, 1.0);
-
-  vector sum = view_in + light_in;
-  float sum_length = sqrt(inner_product(sum, sum));
-  float cos_alpha = min(0.5 * sum_length, 1.0);
-  vector tilt = surface.n - sum / sum_length;
-  float sin2_half_beta = min(0.25 * inner_product(tilt, tilt), 0.5);
+  float cos_view_in = min(mirror.g_view / eta, 1.0);
+  float cos_light_in = min(mirror.g_light / eta, 1.0);
+  float cos_alpha = mirror.cos_alpha;
 
   float outside = 4.0 * M_PI * light.sin2_half_radius;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     outside = M_PI * squared_angle(light.sin2_half_radius);
-  float ratio = solid_angle_ratio(cos_light, g_light, eta);
+  float ratio = solid_angle_ratio(mirror.cos_light, mirror.g_light, eta);
   float inside = outside * ratio + layer.flake_solid_angle;
   if (!(inside > 0.0))
     return expected;
+  inside = max(inside, LEAST_CONE * max(ratio, 1.0));
 
-  float density = orientation_density(layer.orientation, sin2_half_beta);
-  float probability = min(density * inside / (8.0 * M_PI * cos_alpha), 1.0);
+  float probability =
+      flake_probability(layer, mirror.sin2_half_beta, inside / (16.0 * M_PI * cos_alpha));
 
   expected.slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
-  float surface_transmittance = fresnel_transmittance(cos_view, g_view, eta) *
-                                fresnel_transmittance(cos_light, g_light, eta);
+  float surface_transmittance = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
+                                fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
   expected.ceiling = surface_transmittance * ratio / inside;
   expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
-  float visible = 1.0;
-  if (layer.depth_model == DEPTH_THINNED) {
-    color transmitted = mean_transmittance(expected.slant);
-    visible = max(max(transmitted[0], transmitted[1]), transmitted[2]);
-    if (visible > 0.0)
-      expected.mirror = expected.mirror * (transmitted / visible);
-    expected.slant = color(0.0);
-  }
 
   float cos_exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
-    cos_exit = cos_view;
+    cos_exit = mirror.cos_view;
   float footprint = clamp(surface.footprint, 1e-20, 1e6);
   expected.fill = footprint * cos_exit / (layer.flake_area * cos_alpha);
   expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
   float enlarged = 1.0;
   if (expected.area.mean < layer.area.mean)
     enlarged = layer.area.mean / expected.area.mean;
-  expected.mean_count = layer.areal_density * footprint * enlarged * probability * visible;
+  expected.mean_count = layer.areal_density * footprint * enlarged * probability;
 
   float places = expected.fill / layer.area.mean;
-  if (places < (float)POISSON_SLOTS) {
-    int slots = (int)max(places, 1.0);
-    if (expected.mean_count <= (float)slots)
-      expected.slots = slots;
+  if (places < (float)POISSON_SLOTS)
+    expected.slots = (int)max(places, 1.0);
+  float slots = (float)expected.slots;
+  int crowded = expected.slots > 0 && expected.mean_count > slots;
+  if (layer.depth_model == DEPTH_THINNED || crowded) {
+    color transmitted = mean_transmittance(expected.slant);
+    float visible = max(max(transmitted[0], transmitted[1]), transmitted[2]);
+    if (visible > 0.0)
+      expected.mirror = expected.mirror * (transmitted / visible);
+    expected.mean_count = expected.mean_count * visible;
+    expected.slant = color(0.0);
   }
-  else if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.mean_count < 0.1) {
+  if (expected.slots > 0 && expected.mean_count > slots) {
+    expected.mirror = expected.mirror * (expected.mean_count / slots);
+    expected.mean_count = slots;
+  }
+  if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.slots == 0 &&
+      expected.mean_count < 0.1)
     expected.slots = 1;
-  }
   return expected;
 }
 

@@ -124,7 +124,8 @@ def check_irradiance(
         share = (found > 0).mean()
         report.append(bars.at_least(f"{where}: share of facing pixels that are lit", share, 0.99))
     if lamp.data.type == "SUN":
-        expected = np.full(len(found), lamp.data.energy)
+        # Cycles gives each direction of the disc the same share; energy weighs them by the cosine.
+        expected = np.full(len(found), lamp.data.energy * 2 / (1 + np.cos(lamp.data.angle / 2)))
     elif lamp.data.type == "POINT" and lamp.data.shadow_soft_size == 0:
         away = geometry.position[geometry.hit][faces] - np.array(lamp.matrix_world.translation)
         expected = lamp.data.energy / (4 * np.pi * (away**2).sum(axis=-1))

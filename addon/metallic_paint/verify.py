@@ -76,9 +76,17 @@ def make_noiseless(scene: bpy.types.Scene) -> None:
     cycles.max_bounces = 0
     cycles.pixel_filter_type = "BOX"
     scene.render.film_transparent = True
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.image_settings.exr_codec = "NONE"
+    _write_floats(scene, "OPEN_EXR")
+
+
+def _write_floats(scene: bpy.types.Scene, file_format: str) -> None:
+    """All 32 bits: Blender 5 goes back to half floats with every change of the format."""
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):  # Blender 5
+        layers = file_format == "OPEN_EXR_MULTILAYER"
+        settings.media_type = "MULTI_LAYER_IMAGE" if layers else "IMAGE"
+    settings.file_format = file_format
+    settings.color_depth, settings.exr_codec = "32", "NONE"
 
 
 def render(scene: bpy.types.Scene) -> np.ndarray:
@@ -148,18 +156,14 @@ class Probe:
 
     def passes(self) -> tuple[np.ndarray, np.ndarray]:
         """Cycles' own Position and Normal passes (h, w, 3)."""
-        settings, layer = self.scene.render.image_settings, self.scene.view_layers[0]
+        layer = self.scene.view_layers[0]
         layer.use_pass_position = layer.use_pass_normal = True
-        if hasattr(settings, "media_type"):  # Blender 5
-            settings.media_type = "MULTI_LAYER_IMAGE"
-        settings.file_format = "OPEN_EXR_MULTILAYER"
+        _write_floats(self.scene, "OPEN_EXR_MULTILAYER")
         try:
             with _all_emitting(self.materials):
                 channels = render_channels(self.scene)
         finally:
-            if hasattr(settings, "media_type"):
-                settings.media_type = "IMAGE"
-            settings.file_format = "OPEN_EXR"
+            _write_floats(self.scene, "OPEN_EXR")
             layer.use_pass_position = layer.use_pass_normal = False
         found = [
             np.stack([channels[f"{layer.name}.{name}.{c}"] for c in "XYZ"], axis=-1)

@@ -23,6 +23,7 @@ from ._native import (
     mean_projected_area,
     normal_quantile,
     orientation_density,
+    random_walk,
 )
 
 __all__ = [
@@ -43,4 +44,5 @@ __all__ = [
     "mean_projected_area",
     "normal_quantile",
     "orientation_density",
+    "random_walk",
 ]

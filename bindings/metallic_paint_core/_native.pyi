@@ -141,3 +141,43 @@ def normal_quantile(probability: ArrayLike) -> NDArray[np.float64]: ...
 def fresnel_transmittance(cos_theta: ArrayLike, eta: ArrayLike) -> NDArray[np.float64]: ...
 def orientation_density(paint: Paint, beta: ArrayLike) -> NDArray[np.float64]: ...
 def mean_projected_area(paint: Paint, cos_theta: ArrayLike) -> NDArray[np.float64]: ...
+
+class Walk(TypedDict):
+    """Shares of the flux that falls on the surface, RGB, each with its standard error."""
+
+    specular: float  # mirrored by the surface
+    albedo: NDArray[np.float64]  # (3,): comes back, without the specular; the sum of the next three
+    albedo_error: NDArray[np.float64]
+    albedo_single_flake: NDArray[np.float64]  # (3,)
+    albedo_single_flake_error: NDArray[np.float64]
+    albedo_substrate: NDArray[np.float64]  # (3,)
+    albedo_substrate_error: NDArray[np.float64]
+    albedo_mixture: NDArray[np.float64]  # (3,)
+    albedo_mixture_error: NDArray[np.float64]
+    absorbed: NDArray[np.float64]  # (3,)
+    absorbed_error: NDArray[np.float64]
+    truncated: NDArray[np.float64]  # (3,): still under way after 1e6 scatterings
+    truncated_error: NDArray[np.float64]
+    truncated_walks: int
+    brdf: NDArray[np.float64]  # (n, 3): 1/sr, towards each detector; the sum of the next three
+    brdf_error: NDArray[np.float64]
+    brdf_single_flake: NDArray[np.float64]  # (n, 3)
+    brdf_single_flake_error: NDArray[np.float64]
+    brdf_substrate: NDArray[np.float64]  # (n, 3)
+    brdf_substrate_error: NDArray[np.float64]
+    brdf_mixture: NDArray[np.float64]  # (n, 3)
+    brdf_mixture_error: NDArray[np.float64]
+    bins: NDArray[np.float64]  # (theta_bins, phi_bins, 3): comes back into each bin
+    bins_error: NDArray[np.float64]
+
+def random_walk(
+    paint: Paint,
+    light: ArrayLike,
+    *,
+    substrate: ArrayLike = (0.8, 0.8, 0.8),
+    detectors: ArrayLike | None = None,
+    photons: int = 1_000_000,
+    theta_bins: int = 0,
+    phi_bins: int = 0,
+    seed: int = 0,
+) -> Walk: ...

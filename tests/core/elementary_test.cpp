@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -30,8 +30,8 @@ void for_floats(float from, float to, std::uint32_t stride, const Visit& visit) 
 // (1 - Phi(x))/phi(x) as an integral: of e^(-x t - t^2/2) over t > 0.
 long double mills_by_quadrature(long double x) {
   const long double end = 12 / std::fmax(x, 1.0L) * 4;
-  return reference::integrate([&](long double t) { return std::exp(-t * (x + t / 2)); },
-                              {0, end / 16, end / 4, end});
+  return independent::integrate([&](long double t) { return std::exp(-t * (x + t / 2)); },
+                                {0, end / 16, end / 4, end});
 }
 
 // The w with Phi(w) = u, by bisection of erfc in long double.
@@ -169,7 +169,7 @@ TEST(Elementary, MillsRatioHoldsItsStatedErrors) {
   narrow.expect_at_most(5e-7, "float_to_17");
   far.expect_at_most(1e-5, "float_beyond_absolute");
   wide.expect_at_most(3e-14, "double");
-  EXPECT_LE(relative_error(mills_ratio(0.0), std::sqrt(reference::kPi / 2)), 4e-16);
+  EXPECT_LE(relative_error(mills_ratio(0.0), std::sqrt(independent::kPi / 2)), 4e-16);
 }
 
 TEST(Elementary, NormalDensityAndDistributionFunction) {
@@ -177,7 +177,7 @@ TEST(Elementary, NormalDensityAndDistributionFunction) {
   for (int i = 0; i <= 200'000; ++i) {
     const float x = static_cast<float>(-12.0 + 24.0 * i / 200'000);
     const long double X = x;
-    const long double exact = std::exp(-X * X / 2) / std::sqrt(2 * reference::kPi);
+    const long double exact = std::exp(-X * X / 2) / std::sqrt(2 * independent::kPi);
     const long double cdf = std::erfc(-X / std::sqrt(2.0L)) / 2;
     const double d = x;
     density.see(relative_error(normal_density(d), exact), "x", x);

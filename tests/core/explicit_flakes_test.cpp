@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "independent.h"
 #include "paint.h"
-#include "reference.h"
 #include "scenes.h"
 #include "support.h"
 
@@ -118,7 +118,7 @@ TEST(ExplicitFlakes, TiltsAreDistributedAsPBetaSaysExactly) {
   for (int kind = 0; kind < 3; ++kind) {
     for (double tilt : {1e-4, 0.05, 0.3, 1.0, 50.0}) {
       if (kind > 0 && tilt > 1) continue;
-      const ::reference::Flakes flakes{kind, tilt};
+      const independent::Flakes flakes{kind, tilt};
       // Cells even in the angle near the peak, in its logarithm in the tail.
       std::vector<double> edges{0};
       for (int i = 1; i < kCells; ++i) {
@@ -126,14 +126,14 @@ TEST(ExplicitFlakes, TiltsAreDistributedAsPBetaSaysExactly) {
         edges.push_back(tilt * std::sinh(x));
       }
       edges.push_back(kPi / 2);
-      const auto norm = ::reference::shape_norm(flakes);
+      const auto norm = independent::shape_norm(flakes);
       std::vector<double> expected, observed(kCells);
       for (std::size_t i = 0; i < kCells; ++i) {
-        const auto part = ::reference::integrate(
-            [&](::reference::Real beta) {
-              return ::reference::shape(flakes, beta) * std::sin(beta);
+        const auto part = independent::integrate(
+            [&](independent::Real beta) {
+              return independent::shape(flakes, beta) * std::sin(beta);
             },
-            static_cast<::reference::Real>(edges[i]), static_cast<::reference::Real>(edges[i + 1]));
+            static_cast<independent::Real>(edges[i]), static_cast<independent::Real>(edges[i + 1]));
         expected.push_back(kSamples * static_cast<double>(part / norm));
       }
       for (int i = 0; i < kSamples; ++i) {

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -31,8 +31,8 @@ std::vector<float> spreads() {
 TEST(FlakeArea, MomentsMatchQuadrature) {
   Worst wide, narrow;
   for (float spread : spreads()) {
-    const Real mean = reference::area_moment(spread, 1, kNoCap);
-    const Real square = reference::area_moment(spread, 2, kNoCap);
+    const Real mean = independent::area_moment(spread, 1, kNoCap);
+    const Real square = independent::area_moment(spread, 2, kNoCap);
     const auto d = area_moments(static_cast<double>(spread));
     const auto f = area_moments(spread);
     wide.see(relative_error(d.mean, mean), "mean, spread", spread);
@@ -60,8 +60,8 @@ TEST(FlakeArea, CappedMomentsMatchQuadrature) {
     std::vector<float> caps{0.0499f, 0.05f, 0.0501f, 0.3f, 0.5f, 0.9f, 0.99f, 1.0f, 1.01f, 2.0f};
     for (double c = 1e-6; c < 1e3; c *= 1.9) caps.push_back(static_cast<float>(c));
     for (float cap : caps) {
-      const Real mean = reference::area_moment(spread, 1, cap);
-      const Real square = reference::area_moment(spread, 2, cap);
+      const Real mean = independent::area_moment(spread, 1, cap);
+      const Real square = independent::area_moment(spread, 2, cap);
       const auto d =
           capped_area_moments(static_cast<double>(spread), static_cast<double>(cap), whole);
       const auto f = capped_area_moments(spread, cap, whole_f);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -50,13 +50,13 @@ TEST(Light, PositionalLightShowsItsRadiusOverItsDistance) {
     const Vec3<double> centre{any(), any(), any()}, point{any(), any(), any()};
     const double radius = random.log_uniform(1e-6, 3);
     const auto seen = see_light<double>({LightKind::positional, centre, radius}, point);
-    const reference::Vector away{Real(centre.x) - point.x, Real(centre.y) - point.y,
-                                 Real(centre.z) - point.z};
-    const Real distance = reference::length(away);
+    const independent::Vector away{Real(centre.x) - point.x, Real(centre.y) - point.y,
+                                   Real(centre.z) - point.z};
+    const Real distance = independent::length(away);
     const Real exact = std::pow(std::sin(std::asin(std::fmin(radius / distance, 1)) / 2), 2);
     size.see(relative_error(seen.sin2_half_radius, exact), "radius", radius, "distance", distance);
     direction.see(std::fabs(seen.direction.x - away.x / distance), "x, distance", distance);
-    EXPECT_NEAR(length(seen.direction), 1, 1e-15);
+    EXPECT_NEAR(static_cast<double>(length(seen.direction)), 1, 1e-15);
     EXPECT_TRUE(seen.visible);
   }
   size.expect_at_most(1e-14, "size");
@@ -65,8 +65,8 @@ TEST(Light, PositionalLightShowsItsRadiusOverItsDistance) {
 
 TEST(Light, PositionalLightFarAwayIsParallel) {
   const auto far = see_light<double>({LightKind::positional, {3e15, 0, 4e15}, 5e13}, {1, 2, 3});
-  EXPECT_NEAR(far.direction.x, 0.6, 1e-14);
-  EXPECT_NEAR(far.direction.z, 0.8, 1e-14);
+  EXPECT_NEAR(static_cast<double>(far.direction.x), 0.6, 1e-14);
+  EXPECT_NEAR(static_cast<double>(far.direction.z), 0.8, 1e-14);
   EXPECT_NEAR(far.sin2_half_radius, sun<double>({0, 0, 1}, 0.01).sin2_half_radius, 1e-16);
 }
 
@@ -84,8 +84,8 @@ TEST(Light, ParallelLightIsTheSameEverywhereAndOfAnyLength) {
   const Light<double> light{LightKind::parallel, {0, 30, 40}, 0.01};
   for (Vec3<double> point : {Vec3<double>{}, Vec3<double>{1e6, -5, 2}}) {
     const auto seen = see_light(light, point);
-    EXPECT_DOUBLE_EQ(seen.direction.y, 0.6);
-    EXPECT_DOUBLE_EQ(seen.direction.z, 0.8);
+    EXPECT_DOUBLE_EQ(static_cast<double>(seen.direction.y), 0.6);
+    EXPECT_DOUBLE_EQ(static_cast<double>(seen.direction.z), 0.8);
   }
 }
 

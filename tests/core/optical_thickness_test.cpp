@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "reference.h"
+#include "independent.h"
 #include "support.h"
 
 namespace {
@@ -69,12 +69,12 @@ TEST(Coating, EqualColoursAtBothEndsAreConstant) {
 TEST(OpticalThickness, ReferenceAgreesWithItselfOverBothPolarAxes) {
   for (Orientation kind : kKinds) {
     for (Real tilt : {0.15L, 0.6L}) {
-      const reference::Flakes flakes{static_cast<int>(kind), tilt};
-      const Real norm = reference::shape_norm(flakes);
+      const independent::Flakes flakes{static_cast<int>(kind), tilt};
+      const Real norm = independent::shape_norm(flakes);
       for (Real theta : {0.4L, 1.2L}) {
-        EXPECT_LE(relative_error(reference::mean_transmitted_area(flakes, norm, theta,
-                                                                  [](Real x) { return x; }, {}),
-                                 reference::mean_projected_area(flakes, norm, theta, 2)),
+        EXPECT_LE(relative_error(independent::mean_transmitted_area(flakes, norm, theta,
+                                                                    [](Real x) { return x; }, {}),
+                                 independent::mean_projected_area(flakes, norm, theta, 2)),
                   1e-12)
             << "kind " << flakes.kind << " tilt " << tilt << " theta " << theta;
       }
@@ -110,11 +110,12 @@ TEST(OpticalThickness, TransmittedAreaOfLinearCoatingMatchesQuadrature) {
   Worst worst;
   for (Orientation kind : kKinds) {
     for (double tilt : {1e-3, 0.03, 0.1, 0.15, 0.3, 0.6, 1.0}) {
-      const reference::Flakes flakes{static_cast<int>(kind), tilt};
-      const Real norm = reference::shape_norm(flakes);
+      const independent::Flakes flakes{static_cast<int>(kind), tilt};
+      const Real norm = independent::shape_norm(flakes);
       const auto density = make_orientation<double>(kind, tilt);
       for (double cosine : {0.05, 0.3, 0.75, 1.0}) {
-        const Real exact = reference::mean_projected_area(flakes, norm, std::acos(Real(cosine)), 2);
+        const Real exact =
+            independent::mean_projected_area(flakes, norm, std::acos(Real(cosine)), 2);
         worst.see(relative_error(mean_transmitted_area(density, coating, cosine).x, exact), "kind",
                   flakes.kind, "tilt", tilt, "cos", cosine);
       }
@@ -133,12 +134,12 @@ TEST(OpticalThickness, TransmittedAreaOfCoatingTableMatchesQuadrature) {
     Worst worst;
     for (Orientation kind : kKinds) {
       for (double tilt : {0.15, 0.6}) {
-        const reference::Flakes flakes{static_cast<int>(kind), tilt};
-        const Real norm = reference::shape_norm(flakes);
+        const independent::Flakes flakes{static_cast<int>(kind), tilt};
+        const Real norm = independent::shape_norm(flakes);
         const auto density = make_orientation<double>(kind, tilt);
         for (double cosine : {0.3, 0.8}) {
           if (size > 9 && cosine > 0.5) continue;
-          const Real exact = reference::mean_transmitted_area(
+          const Real exact = independent::mean_transmitted_area(
               flakes, norm, std::acos(Real(cosine)), [&](Real x) { return lookup(table, x); },
               kinks);
           const Rgb<double> area = mean_transmitted_area(density, coating, cosine);

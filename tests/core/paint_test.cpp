@@ -163,7 +163,7 @@ void expect_finite(const Paint& paint, const std::string& what) {
   const auto drawn = draw_sparkles(expected, layer.area_spread, paint_stream(paint, 0), 3, 4);
   for (T value : {expected.mean_count, mean_radiance(expected).x, mean_radiance(expected).z,
                   radiance_variance(expected).y, drawn.count, drawn.radiance.x,
-                  flake_brdf(layer, point.normal, point.view, light.direction).z}) {
+                  flake_brdf(layer, point.normal, point.view, Vec3<T>(light.direction)).z}) {
     EXPECT_TRUE(std::isfinite(value) && value >= 0)
         << what << ": " << value << (sizeof(T) == 4 ? " in float" : " in double");
   }

@@ -5,7 +5,8 @@
 
 #include <cmath>
 
-#include "reference.h"
+#include "independent.h"
+#include "scenes.h"
 #include "support.h"
 
 namespace {
@@ -13,6 +14,7 @@ namespace {
 using namespace metallic_paint;
 using core_tests::Random;
 using core_tests::relative_error;
+using core_tests::spherical;
 using core_tests::ulps;
 using core_tests::Worst;
 using Real = long double;
@@ -84,12 +86,12 @@ TEST(Refraction, FresnelTransmittanceAgreesWithOneMinusReflectance) {
   Worst worst;
   for (double eta : kIndices) {
     for (int i = 1; i < 1000; ++i) {
-      const Real theta = reference::kPi / 2 * i / 1000;
+      const Real theta = independent::kPi / 2 * i / 1000;
       const double cosine = static_cast<double>(std::cos(theta));
       const double g = eta_cos_refracted(cosine, eta);
       if (g < 0.5 * cosine) continue;
       worst.see(std::fabs(fresnel_transmittance(cosine, g, eta) -
-                          (1 - reference::fresnel_reflectance(theta, eta))),
+                          (1 - independent::fresnel_reflectance(theta, eta))),
                 "eta", eta, "theta", theta);
     }
   }
@@ -168,30 +170,34 @@ TEST(Refraction, LightPassesBothWaysAlike) {
   worst.expect_at_most(2e-15);
 }
 
-TEST(Refraction, RefractedDirectionIsUnitCoplanarAndAtSnellsAngle) {
+TEST(Refraction, MirrorLiesBetweenTheRefractedDirections) {
   Random random(1);
-  Worst direction, float_direction;
+  Worst cosine, angle, float_cosine, float_angle;
   for (int i = 0; i < 20'000; ++i) {
     const double eta = random.uniform(0.5, 4);
-    const double theta = random.uniform(0, 1.57), phi = random.uniform(0, 6.28);
-    const Vec3<double> n{0, 0, 1};
-    const Vec3<double> v{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
-                         std::cos(theta)};
-    const double g = eta_cos_refracted(v.z, eta);
-    if (g < 0.1 * eta) continue;
-    const Vec3<double> in = refract_direction(v, n, v.z, g, eta);
-    const reference::Vector exact = reference::refract({v.x, v.y, v.z}, {0, 0, 1}, eta);
-    const Vec3<double> error = {static_cast<double>(in.x - exact.x),
-                                static_cast<double>(in.y - exact.y),
-                                static_cast<double>(in.z - exact.z)};
-    direction.see(length(error), "eta", eta, "theta", theta, "phi", phi);
-    const Vec3<float> vf(v);
-    const float gf = eta_cos_refracted(vf.z, static_cast<float>(eta));
-    const Vec3<float> inf = refract_direction(vf, {0, 0, 1}, vf.z, gf, static_cast<float>(eta));
-    float_direction.see(length(Vec3<double>(inf) - in), "eta", eta, "theta", theta);
+    const auto direction = [&] {
+      return spherical(random.uniform(0, 1.57), random.uniform(0, 6.28));
+    };
+    const Vec3<double> n{0, 0, 1}, v = direction(), l = direction();
+    const auto mirror = mirror_between(n, v, l, eta);
+    if (!(std::min(mirror.g_view, mirror.g_light) > 0.1 * eta)) continue;
+    const auto refracted = [&](Vec3<double> d) {
+      return independent::refract({d.x, d.y, d.z}, {0, 0, 1}, eta);
+    };
+    const independent::Vector in = refracted(v), half = in + refracted(l);
+    const Real cos_alpha = std::cos(independent::angle(in, half));
+    const Real half_beta = std::sin(independent::angle(half, {0, 0, 1}) / 2);
+    cosine.see(std::fabs(mirror.cos_alpha - cos_alpha), "eta", eta, "view", v.z, "light", l.z);
+    angle.see(std::fabs(std::sqrt(mirror.sin2_half_beta) - half_beta), "eta", eta, "view", v.z);
+    const auto narrow = mirror_between<float>(Vec3<float>(n), Vec3<float>(v), Vec3<float>(l),
+                                              static_cast<float>(eta));
+    float_cosine.see(std::fabs(narrow.cos_alpha - cos_alpha), "eta", eta, "view", v.z);
+    float_angle.see(std::fabs(std::sqrt(narrow.sin2_half_beta) - half_beta), "eta", eta);
   }
-  direction.expect_at_most(2e-15, "double");
-  float_direction.expect_at_most(2e-6, "float");
+  cosine.expect_at_most(2e-15, "cos alpha, double");
+  angle.expect_at_most(2e-15, "sin beta/2, double");
+  float_cosine.expect_at_most(1e-6, "cos alpha, float");
+  float_angle.expect_at_most(1e-6, "sin beta/2, float");
 }
 
 TEST(Refraction, SolidAngleRatioIsTheDerivativeOfSnellsLaw) {
@@ -203,14 +209,14 @@ TEST(Refraction, SolidAngleRatioIsTheDerivativeOfSnellsLaw) {
       const Real theta = 1.56L * i / 300;
       if (std::sin(theta) > 0.8L * eta) continue;
       const auto slope = [&](Real h) {
-        return (reference::refracted_angle(theta + h, eta) -
-                reference::refracted_angle(theta - h, eta)) /
+        return (independent::refracted_angle(theta + h, eta) -
+                independent::refracted_angle(theta - h, eta)) /
                (2 * h);
       };
       const Real h = 1e-4L;
       const Real derivative = (4 * slope(h / 2) - slope(h)) / 3;
       const Real exact =
-          std::sin(reference::refracted_angle(theta, eta)) / std::sin(theta) * derivative;
+          std::sin(independent::refracted_angle(theta, eta)) / std::sin(theta) * derivative;
       const double cosine = static_cast<double>(std::cos(theta));
       worst.see(
           relative_error(solid_angle_ratio(cosine, eta_cos_refracted(cosine, eta), eta), exact),

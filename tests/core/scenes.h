@@ -9,8 +9,8 @@
 #include <ostream>
 #include <string>
 
+#include "independent.h"
 #include "paint.h"
-#include "reference.h"
 #include "support.h"
 
 namespace core_tests {
@@ -102,7 +102,7 @@ inline Vec3<double> spherical(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-// Turns the z axis into an oblique normal, so that no coordinate is special.
+// Turns the z axis into an oblique normal.
 inline Vec3<double> turned(Vec3<double> v) {
   const double a = 0.7, b = 1.1;
   const Vec3<double> w{v.x * std::cos(a) + v.z * std::sin(a), v.y,
@@ -113,22 +113,23 @@ inline Vec3<double> turned(Vec3<double> v) {
 }
 
 // Aims the light by a flake of an angle that occurs: up to `tilts` times the tilt.
-inline void aim(TestScene& scene, Random& random, double tilts) {
+// `oblique` turns the scene, so that no coordinate is special.
+inline void aim(TestScene& scene, Random& random, double tilts, bool oblique = true) {
   const double eta = scene.paint.binder_ior;
   for (;;) {
     const Vec3<double> view = spherical(random.uniform(0, 1.4), random.uniform(0, 6.28));
     const double beta = random.uniform(0, std::min(tilts * scene.paint.tilt, 1.2));
     const Vec3<double> flake = spherical(beta, random.uniform(0, 6.28));
-    const Vec3<double> v =
-        refract_direction(view, {0, 0, 1}, view.z, eta_cos_refracted(view.z, eta), eta);
+    const Vec3<double> v{view.x / eta, view.y / eta, eta_cos_refracted(view.z, eta) / eta};
     const Vec3<double> l = flake * (2 * dot(flake, v)) - v;
     const Vec3<double> out{l.x * eta, l.y * eta, 0};
     const double sine = length(out);
     if (l.z <= 0 || sine > 0.98) continue;
     const Vec3<double> light{out.x, out.y, std::sqrt(1 - sine * sine)};
-    scene.normal = turned({0, 0, 1});
-    scene.view = turned(view);
-    scene.light = turned(light);
+    const auto place = [&](Vec3<double> d) { return oblique ? turned(d) : d; };
+    scene.normal = place({0, 0, 1});
+    scene.view = place(view);
+    scene.light = place(light);
     scene.beta = beta;
     return;
   }
@@ -141,24 +142,15 @@ inline void set_count(TestScene& scene, double count) {
   scene.footprint = rounded(count / per_area);
 }
 
-// Whether a flake may sparkle with a probability that had to be cut to 1: a light wider than the
-// flakes' tilt. The mean then falls short of the BRDF.
-inline bool probability_is_cut(TestScene scene) {
-  scene.paint.flake_area_spread = 0;
-  scene.paint.depth_model = DepthModel::attenuated;
-  scene.footprint = 1;
-  return scene.expect<double>().mean_count >= 0.999 * scene.layer<double>().areal_density;
-}
-
-inline ::reference::Scene reference_scene(const TestScene& s) {
-  using ::reference::Colour;
+inline independent::Scene reference_scene(const TestScene& s) {
+  using independent::Colour;
   using Real = long double;
   const auto colour = [](Rgb<double> c) { return Colour{c.x, c.y, c.z}; };
-  const auto vector = [](Vec3<double> v) { return ::reference::Vector{v.x, v.y, v.z}; };
+  const auto vector = [](Vec3<double> v) { return independent::Vector{v.x, v.y, v.z}; };
   const Paint& p = s.paint;
   const Real diameter = static_cast<Real>(p.flake_diameter_um) * 1e-6L;
   return {.flakes_per_m2 = static_cast<Real>(p.flakes_per_mm2) * 1e6L,
-          .flake_area = ::reference::kPi / 4 * diameter * diameter,
+          .flake_area = independent::kPi / 4 * diameter * diameter,
           .area_spread = p.flake_area_spread,
           .orientation = {static_cast<int>(p.orientation), p.tilt},
           .flake_spread = p.flake_spread,
@@ -176,6 +168,19 @@ inline ::reference::Scene reference_scene(const TestScene& s) {
           .light = vector(s.light),
           .light_radius = std::asin(static_cast<Real>(s.light_sine)),
           .footprint = s.footprint};
+}
+
+// Whether the light is so narrow against the tilt that P at its centre serves for all of it.
+inline bool is_narrow(const TestScene& scene) {
+  const auto mirror = mirror_between(scene.normal, scene.view, scene.light, scene.paint.binder_ior);
+  const double sine = scene.light_sine, spread = scene.paint.flake_spread;
+  const double outside = 2 * std::numbers::pi * sine * sine / (1 + std::sqrt(1 - sine * sine));
+  const double inside =
+      outside * solid_angle_ratio(mirror.cos_light, mirror.g_light, scene.paint.binder_ior) +
+      std::numbers::pi * spread * spread;
+  // The quarter cone's solid angle 4 pi sin^2(rho/2) = inside/(4 cos(alpha)).
+  const double half = std::sqrt(inside / (16 * std::numbers::pi * mirror.cos_alpha));
+  return 2 * std::asin(std::min(half, 1.0)) < kPointCap * scene.paint.tilt * (1 - 1e-12);
 }
 
 }  // namespace core_tests

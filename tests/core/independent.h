@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace reference {
+namespace independent {
 
 using Real = long double;
 inline constexpr Real kPi = 3.141592653589793238462643383279502884L;
@@ -147,6 +147,26 @@ inline Real mean_cosine(Flakes flakes, Real norm) {
          norm;
 }
 
+// integral of p(n_f) over the cap of angular radius rho about a direction at beta, in polar
+// coordinates (r, psi) about that direction; its flakes above the horizon.
+inline Real cap_probability(Flakes flakes, Real norm, Real beta, Real rho) {
+  std::vector<Real> edges{0, rho};
+  for (Real near : {beta - flakes.tilt, beta, beta + flakes.tilt}) {
+    if (near > 0 && near < rho) edges.push_back(near);
+  }
+  const Real sum = integrate(
+      [&](Real r) {
+        const auto density = [&](Real psi) {
+          const Real half = std::sin(psi / 2), apart = std::sin((beta - r) / 2);
+          const Real y = apart * apart + std::sin(beta) * std::sin(r) * half * half;
+          return y > 0.5L ? 0 : shape(flakes, 2 * std::asin(std::sqrt(y)));
+        };
+        return std::sin(r) * integrate(density, 0, kPi);
+      },
+      edges);
+  return sum / (kPi * norm);
+}
+
 // integral of p(n_f) |v . n_f|^power over the half sphere of flake normals, polar axis = paint
 // normal: <s>(theta) for power = 1.
 inline Real mean_projected_area(Flakes flakes, Real norm, Real theta, int power = 1) {
@@ -278,7 +298,12 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
       std::cos(theta_l) / (scene.eta * scene.eta * std::cos(theta_lp));  // d inside/d outside
   const Real inside = outside * squeeze + kPi * scene.flake_spread * scene.flake_spread;
   const Real seen_outside = inside / squeeze;
-  const Real probability = P * (inside / kPi) / (8 * std::cos(alpha));
+  // A narrow cone of normals takes P at its centre, as in the paper; a wide one its integral.
+  const Real quarter = inside / (4 * std::cos(alpha));
+  const Real cap = 2 * std::asin(std::sqrt(std::min(quarter / (4 * kPi), Real(0.5))));
+  const Real probability = scene.published || cap <= scene.orientation.tilt / 16
+                               ? std::min(P * quarter / (2 * kPi), Real(1))
+                               : cap_probability(scene.orientation, known.norm, beta, cap);
 
   const Real passed =
       (1 - fresnel_reflectance(theta, scene.eta)) * (1 - fresnel_reflectance(theta_l, scene.eta));
@@ -324,4 +349,4 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
   return result;
 }
 
-}  // namespace reference
+}  // namespace independent

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A virtual goniophotometer: photons walk through the whole paint, one scattering after the other,
+// with nothing approximated but the number of photons. The layer is the model's (flakes without
+// correlation, smooth surface); the code shares none of the model's formulas.
+//
+// Frame: paint normal = z; light and detectors are unit vectors that point away from the surface,
+// outside it. All shares are of the flux that falls on the surface, so they do not depend on the
+// strength of the light. Paint::flake_spread, depth_model and radiometry do not matter here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "paint.h"
+#include "vector.h"
+
+namespace metallic_paint::reference {
+
+struct WalkScene {
+  Paint paint;
+  Rgb<double> substrate{0.8, 0.8, 0.8};   // albedo of the Lambertian substrate, 0 to 1
+  Vec3<double> light{0, 0, 1};            // above the surface
+  std::vector<Vec3<double>> detectors{};  // above the surface, at most 4096
+  std::size_t photons = 1'000'000;        // from 2 to 1e12
+  // The light that comes back, by direction: even steps in cos(theta) from 0 to 1 and in phi from 0
+  // to 2 pi; at most 16384 bins. Both zero: none.
+  int theta_bins = 0, phi_bins = 0;
+  std::uint64_t seed = 0;
+};
+
+// Mean and its standard error, from the means of 256 batches.
+struct Estimate {
+  Rgb<double> mean{}, error{};
+};
+
+// What a photon met on its way, besides flakes that let it straight through.
+enum Component {
+  single_flake = 0,  // mirrored by one flake
+  substrate = 1,     // scattered once by the substrate
+  mixture = 2        // everything else
+};
+inline constexpr int kComponents = 3;
+
+// total is the sum of the components, with its own error.
+struct ByComponent {
+  std::array<Estimate, kComponents> part;
+  Estimate total;
+};
+
+struct WalkResult {
+  double specular = 0;              // mirrored by the binder's surface
+  ByComponent albedo;               // share that comes back, without the specular
+  Estimate absorbed;                // share absorbed by flakes, binder and substrate
+  Estimate truncated;               // share still under way after kMostScatterings, and
+  std::size_t truncated_walks = 0;  // the photons that carried it
+  std::vector<ByComponent> brdf;    // 1/sr, towards each detector, without the specular
+  std::vector<Estimate> bins;       // share that comes back into each bin, row by row of theta
+};
+
+inline constexpr std::size_t kMostScatterings = 1'000'000;
+
+// Throws std::invalid_argument with a sentence that names the field, its value and the allowed
+// range.
+void validate(const WalkScene& scene);
+
+// On all cores; the result depends on the scene alone.
+WalkResult walk(const WalkScene& scene);
+
+}  // namespace metallic_paint::reference
