@@ -68,11 +68,19 @@ class Blender:
 FIRST_BLENDER = Blender("4.5", "3.11")  # the Python of Debian 12
 BLENDERS = (FIRST_BLENDER, Blender("5.2", "3.13"))
 TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and linters")
+ACCURACY = Environment(
+    "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
+)
 
 
 def prepare_tools() -> None:
     with alone():
         _install(TOOLS, Path(sys.executable), [])
+
+
+def prepare_accuracy() -> None:
+    with alone():
+        _install(ACCURACY, Path(sys.executable), [])
 
 
 def prepare(blender: Blender) -> None:

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The choices: groups of options for one and the same thing. Each option is the shipped model with
+// that thing alone changed.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alternatives.h"
+#include "paint.h"
+#include "scene.h"
+
+namespace trade {
+
+struct Drawn {
+  double count;
+  Rgb<double> radiance;
+};
+
+class Model {
+ public:
+  virtual ~Model() = default;
+  virtual void load(const std::vector<SurfacePoint<double>>& points) = 0;
+  // Every loaded pixel once, from its geometry on: what a picture costs.
+  virtual void draw(int seed, std::vector<Drawn>& drawn) const = 0;
+  // A loaded pixel again and again, one seed after the other.
+  virtual std::vector<Drawn> draw_again(std::size_t pixel, int first_seed, int count) const = 0;
+};
+
+// How the model differs from the paint's own. 0 intervals: no table.
+struct Change {
+  std::function<void(Paint&)> paint = [](Paint&) {};
+  int orientation_intervals = 0, projection_intervals = 0;
+  bool coated = false;  // with interference_coating()
+};
+
+// A reflectance that swings with the angle, and nothing absorbed.
+template <class T>
+CoatingTable<T> interference_coating() {
+  CoatingTable<T> table;
+  for (int i = 0; i <= 64; ++i) {
+    const double phase = 12 * i / 64.0;
+    const Rgb<double> r{0.5 + 0.3 * std::cos(phase), 0.5 + 0.3 * std::cos(1.2 * phase),
+                        0.5 + 0.3 * std::cos(1.4 * phase)};
+    table.reflectance.push_back(Rgb<T>(r));
+    table.transmittance.push_back(Rgb<T>(grey(1.0) - r));
+  }
+  return table;
+}
+
+template <class T, class Draw>
+class ModelOf : public Model {
+ public:
+  ModelOf(Paint paint, const Change& change, Draw draw) : paint_(paint), draw_(draw) {
+    change.paint(paint_);
+    layer_ = make_layer<T>(paint_);
+    coating_ = interference_coating<T>();
+    if (change.coated) layer_.coating.table = &coating_;
+    if (change.orientation_intervals > 0) {
+      orientation_.emplace(layer_.orientation, change.orientation_intervals);
+      layer_.orientation_table = &*orientation_;
+    }
+    if (change.projection_intervals > 0) {
+      projection_.emplace(layer_.orientation, layer_.coating, change.projection_intervals);
+      layer_.projection_table = &*projection_;
+    }
+  }
+
+  void load(const std::vector<SurfacePoint<double>>& points) override {
+    points_.clear();
+    for (const SurfacePoint<double>& p : points) {
+      points_.push_back({Vec3<T>(p.position), Vec3<T>(p.normal), Vec3<T>(p.view),
+                         static_cast<T>(p.footprint), p.pixel_x, p.pixel_y});
+    }
+  }
+
+  void draw(int seed, std::vector<Drawn>& drawn) const override {
+    const HashWords key = key_of(seed);
+    drawn.resize(points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      drawn[i] = draw_one(expect(points_[i]), key, points_[i]);
+    }
+  }
+
+  std::vector<Drawn> draw_again(std::size_t pixel, int first_seed, int count) const override {
+    const ExpectedSparkles<T> expected = expect(points_[pixel]);
+    std::vector<Drawn> drawn;
+    for (int i = 0; i < count; ++i) {
+      drawn.push_back(draw_one(expected, key_of(first_seed + i), points_[pixel]));
+    }
+    return drawn;
+  }
+
+ private:
+  HashWords key_of(int seed) const {
+    Paint paint = paint_;
+    paint.seed = seed;
+    return paint_stream(paint, 0);
+  }
+  ExpectedSparkles<T> expect(const SurfacePoint<T>& point) const {
+    const Light<T> sun{kSun.kind, Vec3<T>(kSun.vector), static_cast<T>(kSun.size)};
+    return expect_sparkles(layer_, point, see_light(sun, point.position));
+  }
+  Drawn draw_one(const ExpectedSparkles<T>& expected, HashWords key,
+                 const SurfacePoint<T>& point) const {
+    const Sparkles<T> sparkles =
+        draw_(expected, layer_.area_spread, key, point.pixel_x, point.pixel_y);
+    return {static_cast<double>(sparkles.count), Rgb<double>(sparkles.radiance)};
+  }
+
+  Paint paint_;
+  Draw draw_;
+  Layer<T> layer_;
+  CoatingTable<T> coating_;
+  std::optional<OrientationTable<T>> orientation_;
+  std::optional<ProjectionTable<T>> projection_;
+  std::vector<SurfacePoint<T>> points_;
+};
+
+using MakeModel = std::function<std::unique_ptr<Model>(const Paint&)>;
+
+template <class T, class Draw>
+MakeModel model(Change change = {}, Draw draw = {}) {
+  return
+      [=](const Paint& paint) { return std::make_unique<ModelOf<T, Draw>>(paint, change, draw); };
+}
+
+// Which random numbers an option shares with the exact one of its group.
+enum class Numbers { same, counts, own };
+
+struct Option {
+  std::string name;
+  MakeModel make;
+  Numbers numbers = Numbers::same;
+};
+
+// The exact option is what the others are measured against.
+struct Group {
+  std::string name;
+  std::string exact, shipped;
+  std::vector<Option> options;
+  bool default_paint = true;  // the shipped option draws what the other groups' draw
+};
+
+template <class T = float>
+MakeModel shipped(Change change = {}) {
+  return model<T, Shipped>(change);
+}
+template <class Count>
+MakeModel counting() {
+  return model<float, Alternative<Count, CoreSum>>();
+}
+template <class Sum>
+MakeModel summing() {
+  return model<float, Alternative<CoreCount, Sum>>();
+}
+inline MakeModel with_paint(const std::function<void(Paint&)>& change) {
+  return shipped({.paint = change});
+}
+
+inline std::vector<Group> groups() {
+  const auto orientation = [](int n) { return shipped({.orientation_intervals = n}); };
+  const auto projection = [](int n) { return shipped({.projection_intervals = n}); };
+  const auto coated = [](int n) {
+    return shipped<double>({.projection_intervals = n, .coated = true});
+  };
+  using enum Form;
+  return {
+      {"number type",
+       "long double",
+       "float",
+       {{"float", shipped()},
+        {"double", shipped<double>()},
+        {"double, table of 256 for ⟨s⟩", shipped<double>({.projection_intervals = 256})},
+        {"long double", shipped<long double>()}}},
+      // Tables hold P at the centre of the cone of normals.
+      {"orientation P(β)",
+       "integrated over the cone",
+       "integrated over the cone",
+       {{"integrated over the cone", shipped()},
+        {"at its centre, table of 256", orientation(256)},
+        {"at its centre, table of 1024", orientation(1024)},
+        {"at its centre, table of 4096", orientation(4096)},
+        {"at its centre, table of 16384", orientation(16384)}}},
+      {"blocked area ⟨s⟩ − ⟨t⟩",
+       "exact",
+       "exact",
+       {{"exact", shipped()},
+        {"table of 64", projection(64)},
+        {"table of 256", projection(256)},
+        {"table of 1024", projection(1024)}}},
+      // Only the core has it, so in double. Every entry of a table is an exact integral; two for
+      // each pixel would take too long here.
+      {"⟨s⟩ − ⟨t⟩ of a tabulated coating",
+       "table of 2048",
+       "table of 256",
+       {{"table of 64", coated(64)},
+        {"table of 256", coated(256)},
+        {"table of 1024", coated(1024)},
+        {"table of 2048", coated(2048)}},
+       false},
+      {"count",
+       "inversion at every mean",
+       "Cornish–Fisher from 32",
+       {{"Cornish–Fisher from 32", counting<CoreCount>()},
+        {"inversion at every mean", counting<Inversion>()},
+        {"Cornish–Fisher from 16", counting<InversionThen<cornish_fisher, 16>>()},
+        {"Cornish–Fisher from 4", counting<InversionThen<cornish_fisher, 4>>()},
+        {"Cornish–Fisher from 1", counting<InversionThen<cornish_fisher, 1>>()},
+        {"Wilson–Hilferty from 32", counting<InversionThen<wilson_hilferty, 32>>()},
+        {"Wilson–Hilferty from 4", counting<InversionThen<wilson_hilferty, 4>>()},
+        {"Wilson–Hilferty always", counting<InversionThen<wilson_hilferty, 0>>()},
+        {"normal from 32", counting<InversionThen<normal, 32>>()},
+        {"normal always", counting<InversionThen<normal, 0>>()},
+        {"std::poisson_distribution", counting<StandardLibrary>(), Numbers::own},
+        {"Bernoulli below 0.1", counting<Bernoulli>()}}},
+      {"sum over N",
+       "each drawn",
+       "16 drawn, then normal",
+       {{"16 drawn, then normal", summing<CoreSum>(), Numbers::counts},
+        {"each drawn", summing<EachDrawn>()},
+        {"64 drawn, then normal", summing<DrawnThenNormal<64>>(), Numbers::counts},
+        {"4 drawn, then normal", summing<DrawnThenNormal<4>>(), Numbers::counts},
+        {"normal always", summing<DrawnThenNormal<0>>(), Numbers::counts},
+        {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
+        {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
+      {"radiometry",
+       "exact",
+       "exact",
+       {{"exact", shipped()},
+        {"published", with_paint([](Paint& p) { p.radiometry = Radiometry::published; })}}},
+      {"depth",
+       "attenuated",
+       "attenuated",
+       {{"attenuated", shipped()},
+        {"thinned", with_paint([](Paint& p) { p.depth_model = DepthModel::thinned; }),
+         Numbers::own}}},
+      // Not another way to compute the same but another paint.
+      {"flake spread ε",
+       "0.005",
+       "0.005",
+       {{"0.005", shipped()},
+        {"0", with_paint([](Paint& p) { p.flake_spread = 0; }), Numbers::own},
+        {"0.02", with_paint([](Paint& p) { p.flake_spread = 0.02; }), Numbers::own}}},
+      {"all together",
+       "everything exact, in double",
+       "as shipped",
+       {{"as shipped", shipped(), Numbers::counts},
+        {"everything exact, in double", model<double, Exact>()}}},
+  };
+}
+
+}  // namespace trade

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The measurements of tests/benchmark/trade: times, errors, pictures, and which choice wins."""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import flip_evaluator
+import numpy as np
+
+ERRORS = ("count", "mean", "deviation", "distribution")
+SUM = "sum over N"
+TOGETHER = "all together"
+# Not choices between ways to the same thing: the shader has float alone, ε is the paint's own, and
+# the last shows the sum of all.
+NOT_JUDGED = ("number type", "flake spread ε", TOGETHER)
+# No picture in float tells smaller relative errors from none.
+EXACT = 2.0**-24
+# Tables are made once for a picture of so many pixels.
+PIXELS_PER_TABLE = 1e6
+
+
+@dataclass
+class Choice:
+    group: str
+    name: str
+    exact: bool
+    shipped: bool
+    numbers: str  # which random numbers it shares with the exact choice: same, counts or own
+    nanoseconds: dict[str, float] = field(default_factory=dict)  # by scene, as all below
+    ratios: dict[str, float] = field(
+        default_factory=dict
+    )  # of the time to its group's shipped choice's
+    errors: dict[str, dict[str, float]] = field(default_factory=dict)
+    flip: dict[str, float] = field(default_factory=dict)
+    rmse: dict[str, float] = field(default_factory=dict)
+    sum_error: float | None = None  # the greatest over counts
+    dominated_by: str | None = None
+
+    @property
+    def time(self) -> float:
+        """The geometric mean of the ratios."""
+        return math.exp(statistics.fmean(math.log(r) for r in self.ratios.values()))
+
+    def worst(self, error: str) -> float:
+        return max(errors[error] for errors in self.errors.values())
+
+    @property
+    def error(self) -> float:
+        """Of the distribution, where it is greatest. A sum's at a given count, free of chance."""
+        return self.worst("distribution") if self.sum_error is None else self.sum_error
+
+
+class Results:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.data = json.loads((folder / "measurements.json").read_text())
+        self.size = self.data["size"]
+        self.scenes = {scene["name"]: scene for scene in self.data["scenes"]}
+        self.choices: list[Choice] = []
+        self.copies: dict[str, list[float]] = {}  # by scene: times of the copies of what ships
+        self.floor_flip: dict[str, dict[str, float]] = {}
+        for name, scene in self.scenes.items():
+            self._read(name, scene)
+        for entry in self.data["sums"]:
+            for choice in self.of(SUM):
+                if choice.name == entry["name"]:
+                    choice.sum_error = 0.0 if choice.exact else max(entry["distribution"])
+        for group in self.groups:
+            self._judge(self.of(group))
+
+    @property
+    def groups(self) -> list[str]:
+        return list(dict.fromkeys(choice.group for choice in self.choices))
+
+    def of(self, group: str) -> list[Choice]:
+        return [choice for choice in self.choices if choice.group == group]
+
+    def shipped(self, group: str) -> Choice:
+        return next(choice for choice in self.of(group) if choice.shipped)
+
+    @cached_property
+    def tolerance(self) -> float:
+        """By so much may two times differ and count as equal.
+
+        Some groups' shipped choices are one program and others draw the same by code compiled
+        apart: what they differ by is the machine and the compiler.
+        """
+        logs = [[math.log(time) for time in times] for times in self.copies.values()]
+        means = [statistics.fmean(each) for each in zip(*logs, strict=True)]  # over scenes
+        centre = statistics.median(means)
+        return max(0.01, *(abs(mean - centre) for mean in means))
+
+    def _read(self, name: str, scene: dict) -> None:
+        options = scene["options"]
+        self.copies[name] = [statistics.median(o["seconds"]) for o in options if o["copy"]]
+        shipped = {o["group"]: _times(o) for o in options if o["shipped"]}
+        exact = {o["group"]: self.seen(name, o["picture"]) for o in options if o["exact"]}
+        for option in options:
+            key = (option["group"], option["name"])
+            choice = next((c for c in self.choices if (c.group, c.name) == key), None)
+            if choice is None:
+                flags = (option["exact"], option["shipped"], option["numbers"])
+                choice = Choice(*key, *flags)
+                self.choices.append(choice)
+            times = _times(option)
+            pairs = zip(times, shipped[option["group"]], strict=True)
+            choice.ratios[name] = statistics.median(time / once for time, once in pairs)
+            choice.nanoseconds[name] = 1e9 * statistics.median(times)
+            choice.errors[name] = option["error"]
+            found, reference = self.seen(name, option["picture"]), exact[option["group"]]
+            choice.flip[name] = flip(reference, found)
+            choice.rmse[name] = rmse(reference, found)
+        whole = self.seen(name, f"{name}-exact.raw")
+        self.floor_flip[name] = {
+            numbers: flip(whole, self.seen(name, f"{name}-{numbers}.raw"))
+            for numbers in ("counts", "own")
+        }
+
+    def seen(self, scene: str, file: str) -> np.ndarray:
+        """The picture in linear light, white in the sun being 1: the flakes over dull ground."""
+        shape = (self.size, self.size)
+        radiance = np.fromfile(self.folder / file, np.float32).reshape(*shape, 3)
+        base = np.fromfile(self.folder / f"{scene}-base.raw", np.float32).reshape(*shape, 1)
+        return math.pi * radiance + base
+
+    def _judge(self, choices: list[Choice]) -> None:
+        for choice in choices:
+            better = [other for other in choices if self._dominates(other, choice)]
+            if better:
+                choice.dominated_by = min(better, key=lambda c: (c.error, c.time)).name
+
+    def _dominates(self, a: Choice, b: Choice) -> bool:
+        a_error, b_error = (c.error if c.error > EXACT else 0.0 for c in (a, b))
+        faster = a.time < b.time / (1 + self.tolerance)
+        slower = a.time > b.time * (1 + self.tolerance)
+        return not slower and a_error <= b_error and (faster or a_error < b_error)
+
+
+def _times(option: dict) -> list[float]:
+    """Of a pixel, in each round."""
+    table = option["seconds_to_make"] / PIXELS_PER_TABLE
+    return [seconds + table for seconds in option["seconds"]]
+
+
+def encoded(linear: np.ndarray) -> np.ndarray:
+    """As a screen shows it: clipped, in sRGB."""
+    x = np.clip(linear, 0, 1)
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055).astype(np.float32)
+
+
+def flip_map(reference: np.ndarray, picture: np.ndarray, *, colours: bool = False) -> np.ndarray:
+    shown = (encoded(reference), encoded(picture))
+    return flip_evaluator.evaluate(*shown, "LDR", applyMagma=colours)[0]
+
+
+def flip(reference: np.ndarray, picture: np.ndarray) -> float:
+    """Andersson et al. 2020, at the evaluator's own viewing distance (67 pixels per degree)."""
+    if np.array_equal(reference, picture):
+        return 0.0
+    return float(flip_map(reference, picture).mean())
+
+
+def rmse(reference: np.ndarray, picture: np.ndarray) -> float:
+    """In linear light, of the reference's mean."""
+    difference = picture.astype(float) - reference
+    return float(np.sqrt((difference**2).mean()) / reference.mean())
