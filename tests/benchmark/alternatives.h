@@ -122,9 +122,23 @@ struct EachDrawn {
   }
 };
 
-// draw_sparkles with another number of drawn sparkles; with none of them, a normal deviate always.
+// draw_sparkles with another number of drawn sparkles.
 template <int drawn>
 struct DrawnThenNormal {
+  template <class T>
+  Rgb<T> operator()(const ExpectedSparkles<T>& expected, T area_spread, HashWords key, int x, int y,
+                    HashWords words, T count) const {
+    if (count <= T(drawn)) {
+      return sum_of_drawn(expected, area_spread, key, x, y, 1, static_cast<int>(count));
+    }
+    const T w = normal_quantile(uniform_48<T>(words.z, words.w));
+    return map(expected.slant, [&](T depth) { return sum_of_many(expected, depth, count, w); });
+  }
+};
+
+// Likewise, with the mean and the variance of the sum alone.
+template <int drawn>
+struct DrawnThenTwoMoments {
   template <class T>
   Rgb<T> operator()(const ExpectedSparkles<T>& expected, T area_spread, HashWords key, int x, int y,
                     HashWords words, T count) const {
@@ -134,14 +148,8 @@ struct DrawnThenNormal {
     const Rgb<T> mean = mean_sparkle(expected);
     const Rgb<T> variance =
         map(mean_square_sparkle(expected) - mean * mean, [](T v) { return std::max(v, T(0)); });
-    const Rgb<T> margin = mean * mean * count - variance * T(64);
-    if (drawn == 0 || std::min(std::min(margin.x, margin.y), margin.z) >= 0) {
-      const T w = std::sqrt(count) * normal_quantile(uniform_48<T>(words.z, words.w));
-      return mean * count + map(variance, [&](T v) { return w * std::sqrt(v); });
-    }
-    const T n = T(drawn);
-    const Rgb<T> sum = sum_of_drawn(expected, area_spread, key, x, y, 1, drawn);
-    return mean * count + (sum - mean * n) * std::sqrt(count / n);
+    const T w = std::sqrt(count) * normal_quantile(uniform_48<T>(words.z, words.w));
+    return mean * count + map(variance, [&](T v) { return w * std::sqrt(v); });
   }
 };
 

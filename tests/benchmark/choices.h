@@ -226,6 +226,7 @@ inline std::vector<Group> groups() {
         {"64 drawn, then normal", summing<DrawnThenNormal<64>>(), Numbers::counts},
         {"4 drawn, then normal", summing<DrawnThenNormal<4>>(), Numbers::counts},
         {"normal always", summing<DrawnThenNormal<0>>(), Numbers::counts},
+        {"16 drawn, then two moments", summing<DrawnThenTwoMoments<16>>(), Numbers::counts},
         {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
         {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
       {"radiometry",

@@ -358,6 +358,7 @@ void write_sums(std::ostream& out, const SumLaws& laws) {
   write("64 drawn, then normal", laws.distances(DrawnThenNormal<64>{}));
   write("16 drawn, then normal", laws.distances(CoreSum{}));
   write("4 drawn, then normal", laws.distances(DrawnThenNormal<4>{}));
+  write("16 drawn, then two moments", laws.distances(DrawnThenTwoMoments<16>{}));
   write("normal always", laws.distances(DrawnThenNormal<0>{}));
   write("N × mean sparkle", laws.distances(CountTimesMean{}), "");
   out << ']';
