@@ -56,6 +56,16 @@ class Choice:
         return self.worst("distribution") if self.sum_error is None else self.sum_error
 
 
+@dataclass
+class Traced:
+    """The nearest scene with each flake traced, beside the model's."""
+
+    nanoseconds: float  # of a pixel
+    brightness: float  # of the flakes over the model's
+    compared: dict[str, tuple[float, float]]  # two pictures' FLIP and RMSE
+    choices: list[tuple[Choice, float, dict[str, float]]]  # nanoseconds, errors
+
+
 class Results:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -96,6 +106,30 @@ class Results:
         centre = statistics.median(means)
         return max(0.01, *(abs(mean - centre) for mean in means))
 
+    @cached_property
+    def traced(self) -> Traced:
+        data = self.data["traced"]
+        files = [[f"traced-{kind}{seed}.raw" for seed in (1, 2)] for kind in ("", "model-")]
+        pictures, models = ([self.seen("traced", file) for file in of] for of in files)
+        flakes, modelled = (
+            sum(np.fromfile(self.folder / file, np.float32).sum(dtype=float) for file in of)
+            for of in files
+        )
+        choices = []
+        for option in data["options"]:
+            of = next(c for c in self.of(option["group"]) if c.name == option["name"])
+            choices.append((of, of.nanoseconds[data["scene"]], option["error"]))
+        return Traced(
+            nanoseconds=1e9 * data["seconds"],
+            brightness=flakes / modelled,
+            compared={
+                "every flake traced : other seed": _apart(*pictures),
+                "every flake traced : what ships": _apart(pictures[0], models[0]),
+                "what ships : other seed": _apart(*models),
+            },
+            choices=choices,
+        )
+
     def _read(self, name: str, scene: dict) -> None:
         options = scene["options"]
         self.copies[name] = [statistics.median(o["seconds"]) for o in options if o["copy"]]
@@ -124,10 +158,10 @@ class Results:
 
     def seen(self, scene: str, file: str) -> np.ndarray:
         """The picture in linear light, white in the sun being 1: the flakes over dull ground."""
-        shape = (self.size, self.size)
+        base = np.fromfile(self.folder / f"{scene}-base.raw", np.float32)
+        shape = (math.isqrt(base.size),) * 2
         radiance = np.fromfile(self.folder / file, np.float32).reshape(*shape, 3)
-        base = np.fromfile(self.folder / f"{scene}-base.raw", np.float32).reshape(*shape, 1)
-        return math.pi * radiance + base
+        return math.pi * radiance + base.reshape(*shape, 1)
 
     def _judge(self, choices: list[Choice]) -> None:
         for choice in choices:
@@ -140,6 +174,10 @@ class Results:
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)
         return not slower and a_error <= b_error and (faster or a_error < b_error)
+
+
+def _apart(reference: np.ndarray, picture: np.ndarray) -> tuple[float, float]:
+    return flip(reference, picture), rmse(reference, picture)
 
 
 def _times(option: dict) -> list[float]:
