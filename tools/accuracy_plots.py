@@ -83,6 +83,14 @@ def _against_traced(axes: Axes, results: Results) -> None:
     _panel(axes, f"against traced flakes, scene “{data['scene']}”", points)
 
 
+# By the ratio of the longest to the shortest time.
+TICKS = {
+    12: (0.6, 0.8, 1, 1.25, 2, 3, 5),
+    300: (0.5, 1, 2, 5, 10, 50),
+    float("inf"): (1, 10, 100, 1e3, 1e4, 1e5),
+}
+
+
 def _panel(axes: Axes, title: str, points: list[tuple[Choice, float, float]]) -> None:
     for choice, time, error in points:
         face, edge = ("white", GREY) if choice.dominated_by else (COLOUR, COLOUR)
@@ -96,10 +104,8 @@ def _panel(axes: Axes, title: str, points: list[tuple[Choice, float, float]]) ->
     times = [time for _, time, _ in points]
     low, high = min(*times, 0.8), max(*times, 1.25)
     axes.set_xlim(low / 1.06, high * (high / low) ** 0.08)
-    ticks = [
-        t for t in (0.6, 0.8, 1, 1.25, 2, 3, 5, 10, 50, 1e3, 1e4, 1e5) if low / 1.05 <= t <= high
-    ]
-    ticks = [t for t in ticks if high / low < 12 or t in (1, 10, 50, 1e3, 1e4, 1e5)]
+    ticks = next(ticks for room, ticks in TICKS.items() if high / low < room)
+    ticks = [t for t in ticks if low / 1.05 <= t <= high]
     axes.set_xticks(ticks, [f"{t:,g}" for t in ticks])
     axes.minorticks_off()
     _labels(axes, points)

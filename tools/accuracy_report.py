@@ -15,11 +15,11 @@ from processes import say
 
 NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
 SCREEN_STEP = 1 / 255  # of an 8-bit picture
-NUMBER_TYPE = "number type"
+NUMBER_TYPE, ORIENTATION = "number type", "orientation P(β)"
 # What the numbers alone do not say.
 NOTES = {
     NUMBER_TYPE: "The shader computes in float and has no other; this is for callers of the C++.",
-    "orientation P(β)": "Tables are the paper's way, with P at the centre of the cone of normals; "
+    ORIENTATION: "Tables are the paper's way, with P at the centre of the cone of normals; "
     "for callers of the C++, the shader carries none.",
     "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form, or 12 points in "
     "float; only flakes seen from their backs (scene “wide”) need the points.",
@@ -148,6 +148,8 @@ def in_short(results: Results) -> Iterator[str]:
     )
     for group in [*judged(results), NUMBER_TYPE]:
         note = f" {NOTES[group]}" if group in NOTES else ""
+        if group == ORIENTATION and "lamp" in results.scenes:
+            note += f" {centre_under_the_lamp(results)}"
         yield f"- {sentence(results, group)}{note}"
     nearer, means = depth_cases(results)
     cases = results.data["explicit"]
@@ -170,6 +172,17 @@ def in_short(results: Results) -> Iterator[str]:
         f"what ships: {number(own)})."
     )
     yield ""
+
+
+def centre_under_the_lamp(results: Results) -> str:
+    finest = results.of(ORIENTATION)[-1]
+    sun = max(e["distribution"] for scene, e in finest.errors.items() if scene != "lamp")
+    lamp = finest.errors["lamp"]
+    return (
+        f"P {finest.name}, errs {number(sun)} σ at most under the sun; under “lamp”, as wide as "
+        f"the tilt, {number(lamp['distribution'])} σ and {lamp['mean']:.1%} of the mean, in "
+        f"{times(finest.ratios['lamp'])} time."
+    )
 
 
 def brightness_advice(results: Results) -> str:
@@ -347,7 +360,8 @@ def report(results: Results) -> Iterator[str]:
         "- Choices share the random numbers of their group's exact one, so these are errors and "
         "no noise. Where they cannot (another sum, std::poisson_distribution, another mean count) "
         "noise is in them, and the FLIP of two exact pictures stands beside in brackets.",
-        "- *Dominated*: another choice is as fast and as exact, and better in one of the two.",
+        "- *Dominated*: another choice is as fast, as exact in every scene (a sum: at every "
+        "count), and better in one of them.",
     )
 
 

@@ -39,7 +39,7 @@ class Choice:
     errors: dict[str, dict[str, float]] = field(default_factory=dict)
     flip: dict[str, float] = field(default_factory=dict)
     rmse: dict[str, float] = field(default_factory=dict)
-    sum_error: float | None = None  # the greatest over counts
+    sum_errors: list[float] = field(default_factory=list)  # over counts
     dominated_by: str | None = None
 
     @property
@@ -51,9 +51,13 @@ class Choice:
         return max(errors[error] for errors in self.errors.values())
 
     @property
+    def distribution(self) -> list[float]:
+        """Its error in each scene. A sum's at given counts, free of chance."""
+        return self.sum_errors or [errors["distribution"] for errors in self.errors.values()]
+
+    @property
     def error(self) -> float:
-        """Of the distribution, where it is greatest. A sum's at a given count, free of chance."""
-        return self.worst("distribution") if self.sum_error is None else self.sum_error
+        return max(self.distribution)
 
 
 @dataclass
@@ -80,7 +84,7 @@ class Results:
         for entry in self.data["sums"]:
             for choice in self.of(SUM):
                 if choice.name == entry["name"]:
-                    choice.sum_error = 0.0 if choice.exact else max(entry["distribution"])
+                    choice.sum_errors = entry["distribution"]
         for group in self.groups:
             self._judge(self.of(group))
 
@@ -170,10 +174,11 @@ class Results:
                 choice.dominated_by = min(better, key=lambda c: (c.error, c.time)).name
 
     def _dominates(self, a: Choice, b: Choice) -> bool:
-        a_error, b_error = (c.error if c.error > EXACT else 0.0 for c in (a, b))
+        pairs = zip(a.distribution, b.distribution, strict=True)
+        differences = [x - y if max(x, y) > EXACT else 0.0 for x, y in pairs]
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)
-        return not slower and a_error <= b_error and (faster or a_error < b_error)
+        return not slower and max(differences) <= 0 and (faster or min(differences) < 0)
 
 
 def _apart(reference: np.ndarray, picture: np.ndarray) -> tuple[float, float]:

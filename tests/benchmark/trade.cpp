@@ -27,7 +27,7 @@ struct Effort {
   int traced_size, traced_judged_pixels, traced_draws;  // against whole pictures of traced flakes
   std::size_t scenes;
 };
-constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 17, 16384, 96, 6, 1024, 6};
+constexpr Effort kFull{256, 25, 8192, 12, 8192, 1 << 17, 16384, 80, 6, 512, 6};
 constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 512, 24, 3, 128, 3};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
