@@ -68,11 +68,17 @@ class Blender:
 FIRST_BLENDER = Blender("4.5", "3.11")  # the Python of Debian 12
 BLENDERS = (FIRST_BLENDER, Blender("5.2", "3.13"))
 TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and linters")
+FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
 
 
 def prepare_tools() -> None:
     with alone():
         _install(TOOLS, Path(sys.executable), [])
+
+
+def prepare_fuzzer() -> None:
+    with alone():
+        _install(FUZZER, Path(sys.executable), [])
 
 
 def prepare(blender: Blender) -> None:
