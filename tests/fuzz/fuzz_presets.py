@@ -71,7 +71,7 @@ def mutate(data: bytes, max_size: int, seed: int) -> bytes:
         keys = (*presets.PARAMETERS, *place) if chance.random() < 0.9 else KEYS
         place[chance.choice(keys)] = "%s"
         text = json.dumps(content).replace('"%s"', chance.choice(VALUES), 1)
-    except (ValueError, RecursionError, TypeError, KeyError, AttributeError):
+    except (ValueError, RecursionError, TypeError, LookupError):
         return atheris.Mutate(data, max_size)
     return text.encode()[:max_size]
 
