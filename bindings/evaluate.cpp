@@ -91,5 +91,11 @@ for a pixel without surface; footprint (n,), the area of the pixel's projection 
 in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
 number, paint.frame and paint.seed alone. coating replaces the paint's flake colours.
 slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
-"float" repeats the shader operation by operation; "double" is the reference.)doc");
+"float" repeats the shader operation by operation; "double" is the reference.
+
+A dict over pixels and lights: leader, the light whose cone and sparkles this one shares, -1 if
+it is below the surface; mean_count, slots (0 Poisson, k binomial) and count of sparkles; radiance,
+its mean and variance (n, m, 3), per unit of the light's irradiance on a plane normal to it, 1/sr.
+mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
+narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc");
 }
