@@ -10,7 +10,7 @@ from pathlib import Path
 import accuracy_folder
 import accuracy_plots
 import bars
-from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results
+from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results, Traced
 from processes import say
 
 NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
@@ -167,7 +167,7 @@ def in_short(results: Results) -> Iterator[str]:
     yield (
         f"- Tracing every flake, the far end, takes {explicit_time(results):,.0f} times as long "
         f"near ({1e-6 * traced.nanoseconds:.1f} ms a pixel); far, a pixel has "
-        f"{far['flakes']:,.0f} flakes. Its picture is {percent(traced.brightness - 1)} brighter; "
+        f"{far['flakes']:,.0f} flakes. Its picture is {brighter(traced)} brighter; "
         f"its FLIP from what ships is {number(apart)}, between two seeds {number(others)} (of "
         f"what ships: {number(own)})."
     )
@@ -185,13 +185,17 @@ def centre_under_the_lamp(results: Results) -> str:
     )
 
 
+def brighter(traced: Traced) -> str:
+    return f"{100 * (traced.brightness - 1):.0f} ± {percent(traced.brightness_error)}"
+
+
 def brightness_advice(results: Results) -> str:
     """How much brighter traced flakes are than the closed forms, and where it does not matter."""
-    brighter: dict[str, dict[float, float]] = {}
+    excess: dict[str, dict[float, float]] = {}
     for case in results.data["explicit"]:
         ratio = case["traced"]["mean"] / case["attenuated"]["mean"]
-        brighter.setdefault(case["varied"], {})[case["value"]] = ratio - 1
-    coverage, angle, size = brighter.values()
+        excess.setdefault(case["varied"], {})[case["value"]] = ratio - 1
+    coverage, angle, size = excess.values()
     densest, steep, grazing = max(coverage), min(angle), max(angle)
     least_cover, least_size = (
         max((v for v, more in of.items() if more <= NEARLY_AS_BRIGHT), default=0)
@@ -199,14 +203,14 @@ def brightness_advice(results: Results) -> str:
     )
     return (
         f"**Brightness**: dense layers of large flakes are up to {percent(coverage[densest])} "
-        f"brighter than the model when light and observer are near the mirror of a level flake "
-        f"(coverage {densest:g}); at coverage 0.5 {percent(angle[steep])} at {steep:g}° to the "
+        f"brighter than the model when light and observer are near the paint's normal (coverage "
+        f"{densest:g}, 20°); at coverage 0.5 {percent(angle[steep])} at {steep:g}° to the "
         f"normal and {percent(angle[grazing])} at {grazing:g}°, {percent(size[max(size)])} for "
         f"flakes {max(size):g} times as wide as the layer is thick. The model is within "
         f"{percent(NEARLY_AS_BRIGHT)} up to coverage {least_cover:g}, or with flakes of at most "
         f"{least_size:g} of the layer's thickness. Where the absolute brightness of a denser "
-        f"paint matters, scale its lights by what `explicit_flakes` finds: no density makes up "
-        f"for it, as the model's mean saturates."
+        "paint matters, scale its light by what `explicit_flakes` finds: more flakes cannot make "
+        "up for it, as the model's mean saturates."
     )
 
 
@@ -280,14 +284,16 @@ def traced_tables(results: Results) -> Iterator[str]:
         f"The scene “{data['scene']}” at {data['size']} × {data['size']} pixels, every flake of "
         f"every pixel a disc among discs: {traced.nanoseconds:,.0f} ns a pixel, "
         f"{explicit_time(results):,.0f} times what ships takes. Its flakes are "
-        f"{percent(traced.brightness - 1)} brighter in the mean. Two pictures:"
+        f"{brighter(traced)} brighter in the mean. Two pictures:"
     )
     yield ""
     rows = [[name, number(a), number(b)] for name, (a, b) in traced.compared.items()]
     yield from table(["pictures", "FLIP", "RMSE"], rows)
     yield (
         f"The law of a pixel, over {data['draws']} draws of each of {data['judged']} pixels, as "
-        "in the tables below, but with traced flakes for the exact choice; the last line is noise:"
+        "in the tables below, but with traced flakes for the exact choice; the last line is noise. "
+        "A flake that spreads part of the light to the observer counts as one when traced, which "
+        "is why the counts differ:"
     )
     yield ""
     rows = [

@@ -66,6 +66,7 @@ class Traced:
 
     nanoseconds: float  # of a pixel
     brightness: float  # of the flakes over the model's
+    brightness_error: float  # its standard error
     compared: dict[str, tuple[float, float]]  # two pictures' FLIP and RMSE
     choices: list[tuple[Choice, float, dict[str, float]]]  # nanoseconds, errors
 
@@ -116,16 +117,20 @@ class Results:
         files = [[f"traced-{kind}{seed}.raw" for seed in (1, 2)] for kind in ("", "model-")]
         pictures, models = ([self.seen("traced", file) for file in of] for of in files)
         flakes, modelled = (
-            sum(np.fromfile(self.folder / file, np.float32).sum(dtype=float) for file in of)
+            [np.fromfile(self.folder / f, np.float32).reshape(-1, 3).sum(1, float) for f in of]
             for of in files
         )
+        brightness = sum(flakes).sum() / sum(modelled).sum()
+        # Half the square of two draws' difference is what to expect of their variance.
+        errors = [np.sqrt(((a - b) ** 2).sum()) / (a + b).sum() for a, b in (flakes, modelled)]
         choices = []
         for option in data["options"]:
             of = next(c for c in self.of(option["group"]) if c.name == option["name"])
             choices.append((of, of.nanoseconds[data["scene"]], option["error"]))
         return Traced(
             nanoseconds=1e9 * data["seconds"],
-            brightness=flakes / modelled,
+            brightness=float(brightness),
+            brightness_error=float(brightness * math.hypot(*errors)),
             compared={
                 "every flake traced : other seed": _apart(*pictures),
                 "every flake traced : what ships": _apart(pictures[0], models[0]),
@@ -174,7 +179,9 @@ class Results:
                 choice.dominated_by = min(better, key=lambda c: (c.error, c.time)).name
 
     def _dominates(self, a: Choice, b: Choice) -> bool:
-        pairs = zip(a.distribution, b.distribution, strict=True)
+        pairs = [(a.error, b.error)]
+        if len(a.distribution) == len(b.distribution):  # not by counts the one, by scenes the other
+            pairs = list(zip(a.distribution, b.distribution, strict=True))
         differences = [x - y if max(x, y) > EXACT else 0.0 for x, y in pairs]
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)
