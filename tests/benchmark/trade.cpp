@@ -28,7 +28,7 @@ struct Effort {
   std::size_t scenes;
 };
 constexpr Effort kFull{256, 25, 8192, 12, 8192, 1 << 17, 16384, 80, 6, 512, 6};
-constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 512, 24, 3, 128, 3};
+constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 512, 24, 3, 64, 3};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
 constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
