@@ -48,7 +48,7 @@ def test_a_walk_repeats_itself() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"light": (0, 0, 2)}, r"length of light\[0\] is 2, but must be 1 to a thousandth"),
+        ({"light": (0, 0, 2)}, r"length of light is 2, but must be 1 to a thousandth"),
         ({"light": (1, 0, 0)}, r"light.z is 0.0*, but must be above 0"),
         ({"light": (0, 1)}, r"light is \(0, 1\), but must be three numbers"),
         ({"substrate": (0, 0, 1.5)}, r"substrate.b is 1.50*, but must be from 0 to 1"),
