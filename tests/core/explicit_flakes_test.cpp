@@ -194,6 +194,17 @@ void compare_counts(Comparisons& comparisons, const ModelScene& made,
   comparisons.see("count distribution", chi_square_z(observed, expected), made.scene);
 }
 
+struct Means {
+  double count = 0, radiance = 0;  // of a pixel
+};
+Means means(const ExplicitResult& traced) {
+  const auto n = static_cast<double>(traced.count.size());
+  Means m;
+  for (double count : traced.count) m.count += count / n;
+  for (const Rgb<double>& radiance : traced.radiance) m.radiance += radiance.y / n;
+  return m;
+}
+
 // Relative errors of all scenes together, weighted by their precision.
 struct Pooled {
   double weight = 0, sum = 0;
@@ -214,7 +225,7 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
   Random random(100);
   Comparisons comparisons;
   Pooled pooled_count, pooled_radiance;
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < 200 / kFewer; ++k) {
     const ModelScene made = random_model_scene(random, 1.0 / 32, 1.0 / 16, 0.05);
     const ExplicitResult traced = trace_explicit_flakes(explicit_scene(made.scene, random.bits()));
     compare_counts(comparisons, made, traced);
@@ -222,11 +233,7 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
 
     const auto expected = made.scene.expect<double>();
     const auto n = static_cast<double>(traced.count.size());
-    double count = 0, radiance = 0;
-    for (std::size_t i = 0; i < traced.count.size(); ++i) {
-      count += traced.count[i] / n;
-      radiance += traced.radiance[i].y / n;
-    }
+    const auto [count, radiance] = means(traced);
     const double mean = mean_radiance(expected).y;
     pooled_radiance.see(radiance / mean - 1, radiance_variance(expected).y / (mean * mean * n));
     if (made.cone == Cone::both) continue;
@@ -249,7 +256,7 @@ TEST(ExplicitFlakes, ModelIsWithinSomePerCentForWideCones) {
   for (const Band& band :
        {Band{1.0 / 16, 0.25, 0.01, 0.01}, Band{0.25, 1, 0.03, 0.03}, Band{1, 2, 0.08, 0.1}}) {
     Worst counts, radiances;
-    for (int k = 0; k < 25;) {
+    for (int k = 0; k < 25 / kFewer;) {
       ModelScene made = random_model_scene(random, band.from, band.to, 0.3);
       made.scene.paint.depth_model = DepthModel::attenuated;
       // A binder, and a light that does not set.
@@ -260,11 +267,7 @@ TEST(ExplicitFlakes, ModelIsWithinSomePerCentForWideCones) {
           trace_explicit_flakes(explicit_scene(made.scene, random.bits()));
       const auto expected = made.scene.expect<double>();
       const auto n = static_cast<double>(traced.count.size());
-      double count = 0, radiance = 0;
-      for (std::size_t i = 0; i < traced.count.size(); ++i) {
-        count += traced.count[i] / n;
-        radiance += traced.radiance[i].y / n;
-      }
+      const auto [count, radiance] = means(traced);
       const double mean = mean_radiance(expected).y;
       // Of two standard errors nothing is said.
       const auto beyond = [&](double ratio, double variance) {

@@ -84,6 +84,14 @@ class Random {
 // Of a statistical test as a whole, all its comparisons together.
 inline constexpr double kLevel = 1e-3;
 
+// The address sanitizer makes code several times as slow: what is repeated over many random scenes
+// is repeated this much less often under it. It looks for bad accesses, not for statistics.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr int kFewer = 10;
+#else
+inline constexpr int kFewer = 1;
+#endif
+
 // |z| that `tests` independent standard normal deviates all stay under with probability 1 - level
 // (Sidak's correction).
 inline double sidak_threshold(double level, double tests) {
