@@ -59,6 +59,11 @@ _EXTRAS = {
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
         "Another number, another draw of the same flakes. Type #frame to draw anew in each frame",
     ),
+    "OtherLight": _Extra(
+        "Other Light", SPARKLE, 0, 1, 1,
+        "1: the flakes also show the world, area lights and their surroundings. 0: there is no "
+        "other light than the sun, spots and points in the slots, and nothing is computed for it",
+    ),
     "Diagnostic": _Extra(
         "Diagnostic", DIAGNOSTICS, 0, INT_MAX, 0,
         "0 the paint; otherwise the inner value to show, as the shader's text numbers them",
