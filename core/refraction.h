@@ -30,7 +30,8 @@ T eta_cos_refracted(T cos_theta, T eta) {
 }
 
 // 1 - r_eta(theta): the unpolarised transmittance of the surface, from Fresnel's T_s and T_p rather
-// than as 1 - r, so that nothing cancels at grazing angles. g = eta_cos_refracted(cos_theta, eta).
+// than as 1 - r, so that nothing cancels at grazing angles, and from quotients, so that nothing
+// underflows. g = eta_cos_refracted(cos_theta, eta).
 template <class T>
 T fresnel_transmittance(T cos_theta, T g, T eta) {
   using W = Wide<T>;
@@ -38,8 +39,8 @@ T fresnel_transmittance(T cos_theta, T g, T eta) {
   const W s = cosine + g;
   const W p = index * index * cosine + g;
   if (s <= 0) return 0;  // grazing at eta = 1
-  const W product = cosine * g;
-  return static_cast<T>(2 * product * (1 / (s * s) + index * index / (p * p)));
+  const W transmittance = 2 * ((cosine / s) * (g / s) + (index * cosine / p) * (index * g / p));
+  return static_cast<T>(std::min(transmittance, W(1)));
 }
 
 // d omega inside / d omega outside = cos(theta)/(eta^2 cos(theta_p)) (paper, eq. 7 squared).
@@ -47,6 +48,9 @@ template <class T>
 T solid_angle_ratio(T cos_theta, T g, T eta) {
   return cos_theta / (eta * g);
 }
+
+// A direction closer to the surface, in rad, sees nothing of it.
+inline constexpr double kLeastCosine = 1e-30;
 
 // Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
 template <class T>
@@ -67,7 +71,7 @@ Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   Mirror<T> mirror;
   mirror.cos_view = std::min(dot(normal, view), T(1));
   mirror.cos_light = std::min(dot(normal, light), T(1));
-  if (!(mirror.cos_view > 0) || !(mirror.cos_light > 0)) return mirror;
+  if (!(mirror.cos_view > T(kLeastCosine)) || !(mirror.cos_light > T(kLeastCosine))) return mirror;
   mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
   mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
   if (!(mirror.g_view > 0) || !(mirror.g_light > 0)) return mirror;

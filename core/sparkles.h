@@ -204,7 +204,8 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
   }
   // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
   if (expected.slots > 0 && expected.mean_count > slots) {
-    expected.mirror = expected.mirror * (expected.mean_count / slots);
+    expected.mirror = map(expected.mirror * (expected.mean_count / slots),
+                          [&](T t) { return std::min(t, expected.ceiling); });
     expected.mean_count = slots;
   }
   // The paper's Bernoulli rule (step 3).

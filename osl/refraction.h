@@ -19,14 +19,15 @@ float fresnel_transmittance(float cos_theta, float g, float eta)
   float p = eta * eta * cos_theta + g;
   if (s <= 0.0)
     return 0.0;
-  float product = cos_theta * g;
-  return 2.0 * product * (1.0 / (s * s) + eta * eta / (p * p));
+  return min(2.0 * ((cos_theta / s) * (g / s) + (eta * cos_theta / p) * (eta * g / p)), 1.0);
 }
 
 float solid_angle_ratio(float cos_theta, float g, float eta)
 {
   return cos_theta / (eta * g);
 }
+
+#define LEAST_COSINE 1e-30
 
 struct Mirror {
   int possible;
@@ -48,7 +49,7 @@ Mirror mirror_between(vector n, vector view, vector light, float eta)
   mirror.g_light = 0.0;
   mirror.cos_view = min(inner_product(n, view), 1.0);
   mirror.cos_light = min(inner_product(n, light), 1.0);
-  if (!(mirror.cos_view > 0.0) || !(mirror.cos_light > 0.0))
+  if (!(mirror.cos_view > LEAST_COSINE) || !(mirror.cos_light > LEAST_COSINE))
     return mirror;
   mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
   mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);

@@ -71,6 +71,7 @@ TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and lin
 ACCURACY = Environment(
     "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
 )
+FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
 
 
 def prepare_tools() -> None:
@@ -81,6 +82,9 @@ def prepare_tools() -> None:
 def prepare_accuracy() -> None:
     with alone():
         _install(ACCURACY, Path(sys.executable), [])
+def prepare_fuzzer() -> None:
+    with alone():
+        _install(FUZZER, Path(sys.executable), [])
 
 
 def prepare(blender: Blender) -> None:

@@ -26,6 +26,7 @@ from processes import (
 )
 
 GROUP_SECONDS = 1800
+FUZZ_RUNS = 60_000  # about 15 s
 NO_TEST_COLLECTED = 5  # pytest's exit code
 
 
@@ -55,7 +56,11 @@ def check_groups() -> Iterator[Group]:
 
 
 def _check(name: str, command: Sequence[str | Path]) -> Outcome:
-    log = LOGS / f"check-{name.replace(' ', '-')}.log"
+    return _run_whole(command, LOGS / f"check-{name.replace(' ', '-')}.log")
+
+
+def _run_whole(command: Sequence[str | Path], log: Path) -> Outcome:
+    """A program that is one test."""
     if run_limited(command, seconds=GROUP_SECONDS, log=log) == 0:
         return Outcome(passed=1)
     return Outcome(failed=1, report=[tail(log, 60)])
@@ -92,6 +97,19 @@ def _build_and_test_core(folder: Path, sanitizers: str) -> Outcome:
     tests = folder / "tests" / "core" / "core_tests"
     command = [tests, "--gtest_brief=1", f"--gtest_output=xml:{results}"]
     return _run_tests(command, results, f"test-{folder.name}")
+
+
+def fuzz_groups() -> Iterator[Group]:
+    for file in sorted((ROOT / "tests" / "fuzz").glob("fuzz_*.py")):
+        target = file.stem.removeprefix("fuzz_")
+        yield Group(f"fuzz {target}", lambda file=file: _fuzz(file))
+
+
+def _fuzz(file: Path) -> Outcome:
+    """The same inputs in every run; what fails is kept where the log says."""
+    environments.prepare_fuzzer()
+    command = [environments.FUZZER.python, file, f"-runs={FUZZ_RUNS}", "-seed=1"]
+    return _run_whole(command, LOGS / f"{file.stem.replace('_', '-')}.log")
 
 
 def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
@@ -181,6 +199,7 @@ def main() -> int:
         groups = [
             *check_groups(),
             core_group(BUILD / "tests", ""),
+            *fuzz_groups(),
             *blender_groups(environments.prepare_blenders()),
         ]
     groups = [group for group in groups if arguments.k in group.name]

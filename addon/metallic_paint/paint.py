@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import numbers
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -168,28 +169,28 @@ def _checked(name: str, value: object, parameter: Parameter) -> float | int | st
     if parameter.choices:
         if value not in parameter.choices:
             raise PaintError(
-                f"{name} is {_shown(value)} and must be one of {', '.join(parameter.choices)}."
+                f"{name} is {shown(value)} and must be one of {', '.join(parameter.choices)}."
             )
         return value
     if isinstance(default, tuple):
         if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 3:
-            raise PaintError(f"{name} is {_shown(value)} and must be three numbers.")
+            raise PaintError(f"{name} is {shown(value)} and must be three numbers.")
         return tuple(
             float(_number(f"{name}[{i}]", channel, parameter)) for i, channel in enumerate(value)
         )
     if isinstance(default, int):
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            raise PaintError(f"{name} is {_shown(value)} and must be a whole number.")
+            raise PaintError(f"{name} is {shown(value)} and must be a whole number.")
         return int(_number(name, value, parameter))
     return float(_number(name, value, parameter))
 
 
 def _number(name: str, value: object, parameter: Parameter) -> numbers.Real:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise PaintError(f"{name} is {_shown(value)} and must be a number.")
+        raise PaintError(f"{name} is {shown(value)} and must be a number.")
     if not parameter.minimum <= value <= parameter.maximum:  # false for NaN too
         raise PaintError(
-            f"{name} is {_shown(value)} and must lie in "
+            f"{name} is {shown(value)} and must lie in "
             f"{parameter.minimum:g}..{parameter.maximum:g}."
         )
     return value
@@ -204,6 +205,7 @@ def _check_energy(reflectance: str, r: Color, transmittance: str, t: Color) -> N
             )
 
 
-def _shown(value: object) -> str:
-    text = repr(value)
+def shown(value: object) -> str:
+    """Short and printable, whatever the value: reprlib goes down a few levels only."""
+    text = reprlib.repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

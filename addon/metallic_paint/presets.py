@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .paint import PARAMETERS, Color, Paint, PaintError
+from .paint import PARAMETERS, Color, Paint, PaintError, shown
 
 __all__ = ["Color", "Paint", "PaintError", "PresetError", "load", "names", "save"]
 
@@ -45,7 +45,11 @@ def load(name_or_path: str | os.PathLike[str]) -> Paint:
     if name_or_path in names():
         return _read(FOLDER / f"{name_or_path}.json")
     path = Path(name_or_path)
-    if not path.is_file():
+    try:
+        is_file = path.is_file()
+    except OSError as error:  # a name too long, a folder closed to us
+        raise PresetError(f"{shown(str(path))} cannot be read: {error.strerror}.") from error
+    if not is_file:
         raise PresetError(
             f"{os.fspath(name_or_path)!r} is neither a file nor a preset; "
             f"the presets are {', '.join(names())}."
@@ -90,8 +94,8 @@ def _read(path: Path) -> Paint:
     version = content.get("schema_version")
     if type(version) is not int or version != SCHEMA_VERSION:
         raise PresetError(
-            f"{path}: schema_version is {version!r} and must be {SCHEMA_VERSION}, the only one "
-            "that this add-on knows."
+            f"{path}: schema_version is {shown(version)} and must be {SCHEMA_VERSION}, the only "
+            "one that this add-on knows."
         )
     if not isinstance(content.get("description", ""), str):
         raise PresetError(f"{path}: description must be a text.")
@@ -131,7 +135,7 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
     content: dict[str, object] = {}
     for key, value in pairs:
         if key in content:
-            raise _NotStrictError(f"the key {key!r} stands there twice.")
+            raise _NotStrictError(f"the key {shown(key)} stands there twice.")
         content[key] = value
     return content
 
@@ -140,5 +144,6 @@ def _check_keys(path: Path, where: str, content: dict[str, Any], known: Iterable
     for key in content:
         if key not in known:
             raise PresetError(
-                f"{path}: {where}{key} is no key of a preset; the keys are {', '.join(known)}."
+                f"{path}: {shown(where + key)} is no key of a preset; "
+                f"the keys are {', '.join(known)}."
             )

@@ -183,6 +183,18 @@ def test_a_folder_is_no_preset(tmp_path: Path) -> None:
         presets.load(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "x/" * 3000])
+def test_a_name_too_long_is_refused(name: str) -> None:
+    with pytest.raises(PresetError, match=r"^'x.* cannot be read: File name too long\.$"):
+        presets.load(name)
+
+
+@pytest.mark.parametrize("name", ["", "a\0b", "\ud800"])
+def test_a_name_that_no_file_has_is_unknown(name: str) -> None:
+    with pytest.raises(PresetError, match="is neither a file nor a preset"):
+        presets.load(name)
+
+
 BAD_FILES = {
     "nan": (text({"tilt": math.nan}), "NaN is no number that a paint can have"),
     "infinity": (text({"tilt": math.inf}), "Infinity is no number that a paint can have"),
@@ -196,8 +208,12 @@ BAD_FILES = {
                       "the key 'tilt' stands there twice"),
     "duplicate paint": ('{"schema_version": 1, "paint": {}, "paint": {}}',
                         "the key 'paint' stands there twice"),
-    "unknown key": (text({}, author="me"), "author is no key of a preset; the keys are schema_"),
-    "unknown field": (text({"colour": 1}), "paint.colour is no key of a preset; the keys are fl"),
+    "unknown key": (text({}, author="me"), "'author' is no key of a preset; the keys are schema_"),
+    "unknown field": (text({"colour": 1}), "'paint.colour' is no key of a preset; the keys are fl"),
+    "flood of a key": (text({"k" * 60000: 1}), "kkk' is no key of a preset"),
+    "flood of a version": ('{"schema_version": [' + 20000 * "0, " + '0], "paint": {}}',
+                           "schema_version is [0, 0, 0, 0, 0, 0, ...] and must be 1"),
+    "a key for the console": (text({"\x1b[2J": 1}), r"'paint.\x1b[2J' is no key of a preset"),
     "no version": ('{"paint": {}}', "schema_version is None and must be 1"),
     "other version": ('{"schema_version": 2, "paint": {}}', "schema_version is 2 and must be 1"),
     "true version": ('{"schema_version": true, "paint": {}}',
@@ -236,6 +252,7 @@ def test_a_bad_file_is_refused_with_its_name_and_the_reason(
     assert said.startswith(str(file))
     assert message in said
     assert said.endswith(".")
+    assert len(said) < len(str(file)) + 1000
 
 
 def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
