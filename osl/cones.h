@@ -21,9 +21,9 @@
 
 // Half-angle of the cone in which a flake's mirror direction is widened under other light than the listed: area lights are
 // then sampled as well, and lights beyond the slots seen. Part of the spread that the flakes themselves give the highlight, so
-// that it shows as a spread larger by 1 %.
-#define LOBE_SPREAD 0.2
-#define WIDEST_LOBE 0.1
+// that it widens that by less than 1 %.
+#define LOBE_SPREAD 0.1
+#define WIDEST_LOBE 0.05
 
 // Half-angle for a T of that average: wide enough for twice the least weight, within the bounds.
 float cone_half_angle(float average, float least, float most)
