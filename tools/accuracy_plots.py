@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -23,9 +24,9 @@ STYLE = {
 PARTS = {"coverage": "coverage D·H·⟨S⟩"}
 
 
-def draw_all(results: Results, explicit_time: float, folder: Path) -> None:
+def draw_all(results: Results, folder: Path) -> None:
     with plt.rc_context(STYLE):
-        _choices(results, explicit_time, folder / "choices.png")
+        _choices(results, folder / "choices.png")
         _draws(results, folder / "draws.png")
         _depth(results, folder / "depth.png")
         _pictures(results, folder / "pictures.png")
@@ -38,26 +39,25 @@ def _save(figure: plt.Figure, file: Path) -> None:
         image.convert("RGB").quantize(256).save(file, optimize=True)
 
 
-def _choices(results: Results, explicit_time: float, file: Path) -> None:
+def _choices(results: Results, file: Path) -> None:
     groups = [group for group in results.groups if "ε" not in group]
-    figure, grid = plt.subplots(5, 2, figsize=(11.5, 15), layout="constrained", sharey=True)
-    panels = list(grid.flat)
-    for axes in panels[len(groups) :]:
-        axes.axis("off")
-    for axes, group in zip(panels, groups, strict=False):
+    figure, grid = plt.subplots(5, 2, figsize=(11.5, 15.5), layout="constrained", sharey=True)
+    *panels, last = grid.flat
+    for axes, group in zip(panels, groups, strict=True):
         points = [(c, c.time, max(c.error, NONE)) for c in results.of(group)]
-        if group == TOGETHER:
-            far = Choice(group, "explicit flakes, near", True, False, "own")
-            points.append((far, explicit_time, NONE))
+        front = sorted((time, error) for c, time, error in points if not c.dominated_by)
+        axes.step(*zip(*front, strict=True), where="post", color=COLOUR, lw=1.2, alpha=0.6)
         _panel(axes, group, points)
-    legend = panels[-1]
+    _against_traced(last, results)
+    shown = []
     for marker, face, edge, text in (
         ("*", COLOUR, COLOUR, "what ships"),
         ("o", COLOUR, COLOUR, "on the front: nothing is both as fast and as exact"),
         ("o", "white", GREY, "dominated: another choice is as fast and as exact, or better"),
     ):
-        legend.plot([], [], marker, mfc=face, mec=edge, ms=13 if marker == "*" else 8, label=text)
-    legend.legend(loc="center", fontsize=10)
+        size = 13 if marker == "*" else 8
+        shown += last.plot([], [], marker, mfc=face, mec=edge, ms=size, label=text)
+    figure.legend(handles=shown, loc="outside upper center", fontsize=10, ncols=3)
     figure.supxlabel("time of a pixel, of what ships (geometric mean of the scenes)")
     figure.supylabel(
         "error of the distribution of a pixel's radiance, in its standard deviations "
@@ -66,9 +66,32 @@ def _choices(results: Results, explicit_time: float, file: Path) -> None:
     _save(figure, file)
 
 
+def _against_traced(axes: Axes, results: Results) -> None:
+    """No front: the mean's error outweighs what tells the choices apart."""
+    traced, data = results.traced, results.data["traced"]
+    once = results.shipped(TOGETHER).nanoseconds[data["scene"]]
+    far = Choice(TOGETHER, "every flake traced", True, False, "own")
+    points = [
+        (replace(choice, dominated_by=None), ns / once, errors["distribution"])
+        for choice, ns, errors in traced.choices
+    ]
+    points.append((far, traced.nanoseconds / once, NONE))
+    noise = data["floor"]["distribution"]
+    axes.axhline(noise, color=GREY, ls=":", lw=1.2)
+    axes.text(0.98, noise, "noise", color=GREY, va="bottom", ha="right", fontsize=8.5,
+              transform=axes.get_yaxis_transform())  # fmt: skip
+    _panel(axes, f"against traced flakes, scene “{data['scene']}”", points)
+
+
+# By the ratio of the longest to the shortest time.
+TICKS = {
+    12: (0.6, 0.8, 1, 1.25, 2, 3, 5),
+    300: (0.5, 1, 2, 5, 10, 50),
+    float("inf"): (1, 10, 100, 1e3, 1e4, 1e5),
+}
+
+
 def _panel(axes: Axes, title: str, points: list[tuple[Choice, float, float]]) -> None:
-    front = sorted((time, error) for choice, time, error in points if not choice.dominated_by)
-    axes.step(*zip(*front, strict=True), where="post", color=COLOUR, lw=1.2, alpha=0.6)
     for choice, time, error in points:
         face, edge = ("white", GREY) if choice.dominated_by else (COLOUR, COLOUR)
         marker, size = ("*", 15) if choice.shipped else ("o", 7)
@@ -81,8 +104,8 @@ def _panel(axes: Axes, title: str, points: list[tuple[Choice, float, float]]) ->
     times = [time for _, time, _ in points]
     low, high = min(*times, 0.8), max(*times, 1.25)
     axes.set_xlim(low / 1.06, high * (high / low) ** 0.08)
-    ticks = [t for t in (0.6, 0.8, 1, 1.25, 2, 3, 5, 10, 50, 1e3, 1e5) if low / 1.05 <= t <= high]
-    ticks = [t for t in ticks if high / low < 12 or t in (1, 5, 10, 50, 1e3, 1e5)]
+    ticks = next(ticks for room, ticks in TICKS.items() if high / low < room)
+    ticks = [t for t in ticks if low / 1.05 <= t <= high]
     axes.set_xticks(ticks, [f"{t:,g}" for t in ticks])
     axes.minorticks_off()
     _labels(axes, points)

@@ -10,15 +10,17 @@ from pathlib import Path
 import accuracy_folder
 import accuracy_plots
 import bars
-from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results
+from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results, Traced
 from processes import say
 
+NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
 SCREEN_STEP = 1 / 255  # of an 8-bit picture
-NUMBER_TYPE = "number type"
+NUMBER_TYPE, ORIENTATION = "number type", "orientation P(β)"
 # What the numbers alone do not say.
 NOTES = {
     NUMBER_TYPE: "The shader computes in float and has no other; this is for callers of the C++.",
-    "orientation P(β)": "For callers of the C++; the shader carries no table.",
+    ORIENTATION: "Tables are the paper's way, with P at the centre of the cone of normals; "
+    "for callers of the C++, the shader carries none.",
     "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form, or 12 points in "
     "float; only flakes seen from their backs (scene “wide”) need the points.",
     "⟨s⟩ − ⟨t⟩ of a tabulated coating": "In C++ only, so in double; the time is for pictures of a "
@@ -43,6 +45,10 @@ def times(ratio: float) -> str:
     if ratio >= 1.5:
         return f"× {ratio:.1f}" if ratio < 20 else f"× {ratio:,.0f}"
     return f"{round(100 * (ratio - 1)):+d} %".replace("-", "−")
+
+
+def percent(part: float) -> str:
+    return f"{part:.0%}".replace("%", " %")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -113,9 +119,9 @@ def depth_cases(results: Results) -> tuple[int, list[float]]:
 
 
 def explicit_time(results: Results) -> float:
-    """Of a pixel of the scene near with each flake traced, of what ships."""
-    near = results.scenes["near"]["explicit"]
-    return near * 1e9 / results.shipped(TOGETHER).nanoseconds["near"]
+    """Of a pixel of the nearest scene with each flake traced, of what ships."""
+    scene = results.data["traced"]["scene"]
+    return results.traced.nanoseconds / results.shipped(TOGETHER).nanoseconds[scene]
 
 
 def in_short(results: Results) -> Iterator[str]:
@@ -142,6 +148,8 @@ def in_short(results: Results) -> Iterator[str]:
     )
     for group in [*judged(results), NUMBER_TYPE]:
         note = f" {NOTES[group]}" if group in NOTES else ""
+        if group == ORIENTATION and "lamp" in results.scenes:
+            note += f" {centre_under_the_lamp(results)}"
         yield f"- {sentence(results, group)}{note}"
     nearer, means = depth_cases(results)
     cases = results.data["explicit"]
@@ -153,13 +161,57 @@ def in_short(results: Results) -> Iterator[str]:
         f"{least['varied']} {least['value']:g}: what hides a flake from the observer often hides "
         "it from the light as well, where the closed forms take both for independent."
     )
-    far = results.scenes["far"]
+    yield f"- {brightness_advice(results)}"
+    traced, far = results.traced, results.scenes["far"]
+    others, apart, own = (flip for flip, _ in traced.compared.values())
     yield (
         f"- Tracing every flake, the far end, takes {explicit_time(results):,.0f} times as long "
-        f"near ({1e3 * results.scenes['near']['explicit']:.1f} ms for a pixel of "
-        f"{results.scenes['near']['flakes']:,.0f} flakes); far, a pixel has {far['flakes']:,.0f}."
+        f"near ({1e-6 * traced.nanoseconds:.1f} ms a pixel); far, a pixel has "
+        f"{far['flakes']:,.0f} flakes. Its picture is {brighter(traced)} brighter; "
+        f"its FLIP from what ships is {number(apart)}, between two seeds {number(others)} (of "
+        f"what ships: {number(own)})."
     )
     yield ""
+
+
+def centre_under_the_lamp(results: Results) -> str:
+    finest = results.of(ORIENTATION)[-1]
+    sun = max(e["distribution"] for scene, e in finest.errors.items() if scene != "lamp")
+    lamp = finest.errors["lamp"]
+    return (
+        f"P {finest.name}, errs {number(sun)} σ at most under the sun; under “lamp”, as wide as "
+        f"the tilt, {number(lamp['distribution'])} σ and {lamp['mean']:.1%} of the mean, in "
+        f"{times(finest.ratios['lamp'])} time."
+    )
+
+
+def brighter(traced: Traced) -> str:
+    return f"{100 * (traced.brightness - 1):.0f} ± {percent(traced.brightness_error)}"
+
+
+def brightness_advice(results: Results) -> str:
+    """How much brighter traced flakes are than the closed forms, and where it does not matter."""
+    excess: dict[str, dict[float, float]] = {}
+    for case in results.data["explicit"]:
+        ratio = case["traced"]["mean"] / case["attenuated"]["mean"]
+        excess.setdefault(case["varied"], {})[case["value"]] = ratio - 1
+    coverage, angle, size = excess.values()
+    densest, steep, grazing = max(coverage), min(angle), max(angle)
+    least_cover, least_size = (
+        max((v for v, more in of.items() if more <= NEARLY_AS_BRIGHT), default=0)
+        for of in (coverage, size)
+    )
+    return (
+        f"**Brightness**: dense layers of large flakes are up to {percent(coverage[densest])} "
+        f"brighter than the model when light and observer are near the paint's normal (coverage "
+        f"{densest:g}, 20°); at coverage 0.5 {percent(angle[steep])} at {steep:g}° to the "
+        f"normal and {percent(angle[grazing])} at {grazing:g}°, {percent(size[max(size)])} for "
+        f"flakes {max(size):g} times as wide as the layer is thick. The model is within "
+        f"{percent(NEARLY_AS_BRIGHT)} up to coverage {least_cover:g}, or with flakes of at most "
+        f"{least_size:g} of the layer's thickness. Where the absolute brightness of a denser "
+        "paint matters, scale its light by what `explicit_flakes` finds: more flakes cannot make "
+        "up for it, as the model's mean saturates."
+    )
 
 
 def scene_table(results: Results) -> Iterator[str]:
@@ -226,6 +278,36 @@ def depth_table(results: Results) -> Iterator[str]:
     )  # fmt: skip
 
 
+def traced_tables(results: Results) -> Iterator[str]:
+    data, traced = results.data["traced"], results.traced
+    yield (
+        f"The scene “{data['scene']}” at {data['size']} × {data['size']} pixels, every flake of "
+        f"every pixel a disc among discs: {traced.nanoseconds:,.0f} ns a pixel, "
+        f"{explicit_time(results):,.0f} times what ships takes. Its flakes are "
+        f"{brighter(traced)} brighter in the mean. Two pictures:"
+    )
+    yield ""
+    rows = [[name, number(a), number(b)] for name, (a, b) in traced.compared.items()]
+    yield from table(["pictures", "FLIP", "RMSE"], rows)
+    yield (
+        f"The law of a pixel, over {data['draws']} draws of each of {data['judged']} pixels, as "
+        "in the tables below, but with traced flakes for the exact choice; the last line is noise. "
+        "A flake that spreads part of the light to the observer counts as one when traced, which "
+        "is why the counts differ:"
+    )
+    yield ""
+    rows = [
+        [
+            f"**{choice.name}**" if choice.shipped else choice.name, f"{ns:,.0f}",
+            *(number(e) for e in errors.values()),
+        ]
+        for choice, ns, errors in traced.choices
+    ]  # fmt: skip
+    noise = [number(e) for e in data["floor"].values()]
+    rows.append(["every flake traced, other seed", f"{traced.nanoseconds:,.0f}", *noise])
+    yield from table(["choice", "ns", "count", "mean", "deviation", "distribution"], rows)
+
+
 def report(results: Results) -> Iterator[str]:
     yield accuracy_folder.MARK
     yield ""
@@ -256,6 +338,9 @@ def report(results: Results) -> Iterator[str]:
     yield "![Mean and fluctuation of the share](depth.png)"
     yield ""
     yield from depth_table(results)
+    yield "## The model against a picture of traced flakes"
+    yield ""
+    yield from traced_tables(results)
     yield "## Every number"
     yield ""
     yield from choice_tables(results)
@@ -263,7 +348,8 @@ def report(results: Results) -> Iterator[str]:
     yield ""
     scene = next(iter(results.scenes.values()))
     yield from (
-        f"Painted balls under the sun, {results.size} × {results.size} pixels, exact footprints.",
+        "Painted balls under the sun (“lamp”: under a light of 0.06 rad, as wide as the tilt), "
+        f"{results.size} × {results.size} pixels, exact footprints.",
         "",
         "- *time*: processor time of one thread from geometry to radiance, without ray tracing. "
         "All choices in turn, in random order; the median of the rounds' ratios to what ships, the "
@@ -280,7 +366,8 @@ def report(results: Results) -> Iterator[str]:
         "- Choices share the random numbers of their group's exact one, so these are errors and "
         "no noise. Where they cannot (another sum, std::poisson_distribution, another mean count) "
         "noise is in them, and the FLIP of two exact pictures stands beside in brackets.",
-        "- *Dominated*: another choice is as fast and as exact, and better in one of the two.",
+        "- *Dominated*: another choice is as fast, as exact in every scene (a sum: at every "
+        "count), and better in one of them.",
     )
 
 
@@ -326,7 +413,7 @@ def main() -> int:
     try:
         folder.mkdir(parents=True)
         say("Drawing the plots…")
-        accuracy_plots.draw_all(results, explicit_time(results), folder)
+        accuracy_plots.draw_all(results, folder)
         text = "\n".join(report(results)).rstrip() + "\n"
         (folder / accuracy_folder.REPORT).write_text(text)
         accuracy_folder.publish(arguments.out)

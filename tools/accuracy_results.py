@@ -39,7 +39,7 @@ class Choice:
     errors: dict[str, dict[str, float]] = field(default_factory=dict)
     flip: dict[str, float] = field(default_factory=dict)
     rmse: dict[str, float] = field(default_factory=dict)
-    sum_error: float | None = None  # the greatest over counts
+    sum_errors: list[float] = field(default_factory=list)  # over counts
     dominated_by: str | None = None
 
     @property
@@ -51,9 +51,24 @@ class Choice:
         return max(errors[error] for errors in self.errors.values())
 
     @property
+    def distribution(self) -> list[float]:
+        """Its error in each scene. A sum's at given counts, free of chance."""
+        return self.sum_errors or [errors["distribution"] for errors in self.errors.values()]
+
+    @property
     def error(self) -> float:
-        """Of the distribution, where it is greatest. A sum's at a given count, free of chance."""
-        return self.worst("distribution") if self.sum_error is None else self.sum_error
+        return max(self.distribution)
+
+
+@dataclass
+class Traced:
+    """The nearest scene with each flake traced, beside the model's."""
+
+    nanoseconds: float  # of a pixel
+    brightness: float  # of the flakes over the model's
+    brightness_error: float  # its standard error
+    compared: dict[str, tuple[float, float]]  # two pictures' FLIP and RMSE
+    choices: list[tuple[Choice, float, dict[str, float]]]  # nanoseconds, errors
 
 
 class Results:
@@ -70,7 +85,7 @@ class Results:
         for entry in self.data["sums"]:
             for choice in self.of(SUM):
                 if choice.name == entry["name"]:
-                    choice.sum_error = 0.0 if choice.exact else max(entry["distribution"])
+                    choice.sum_errors = entry["distribution"]
         for group in self.groups:
             self._judge(self.of(group))
 
@@ -95,6 +110,34 @@ class Results:
         means = [statistics.fmean(each) for each in zip(*logs, strict=True)]  # over scenes
         centre = statistics.median(means)
         return max(0.01, *(abs(mean - centre) for mean in means))
+
+    @cached_property
+    def traced(self) -> Traced:
+        data = self.data["traced"]
+        files = [[f"traced-{kind}{seed}.raw" for seed in (1, 2)] for kind in ("", "model-")]
+        pictures, models = ([self.seen("traced", file) for file in of] for of in files)
+        flakes, modelled = (
+            [np.fromfile(self.folder / f, np.float32).reshape(-1, 3).sum(1, float) for f in of]
+            for of in files
+        )
+        brightness = sum(flakes).sum() / sum(modelled).sum()
+        # Half the square of two draws' difference is what to expect of their variance.
+        errors = [np.sqrt(((a - b) ** 2).sum()) / (a + b).sum() for a, b in (flakes, modelled)]
+        choices = []
+        for option in data["options"]:
+            of = next(c for c in self.of(option["group"]) if c.name == option["name"])
+            choices.append((of, of.nanoseconds[data["scene"]], option["error"]))
+        return Traced(
+            nanoseconds=1e9 * data["seconds"],
+            brightness=float(brightness),
+            brightness_error=float(brightness * math.hypot(*errors)),
+            compared={
+                "every flake traced : other seed": _apart(*pictures),
+                "every flake traced : what ships": _apart(pictures[0], models[0]),
+                "what ships : other seed": _apart(*models),
+            },
+            choices=choices,
+        )
 
     def _read(self, name: str, scene: dict) -> None:
         options = scene["options"]
@@ -124,10 +167,10 @@ class Results:
 
     def seen(self, scene: str, file: str) -> np.ndarray:
         """The picture in linear light, white in the sun being 1: the flakes over dull ground."""
-        shape = (self.size, self.size)
+        base = np.fromfile(self.folder / f"{scene}-base.raw", np.float32)
+        shape = (math.isqrt(base.size),) * 2
         radiance = np.fromfile(self.folder / file, np.float32).reshape(*shape, 3)
-        base = np.fromfile(self.folder / f"{scene}-base.raw", np.float32).reshape(*shape, 1)
-        return math.pi * radiance + base
+        return math.pi * radiance + base.reshape(*shape, 1)
 
     def _judge(self, choices: list[Choice]) -> None:
         for choice in choices:
@@ -136,10 +179,17 @@ class Results:
                 choice.dominated_by = min(better, key=lambda c: (c.error, c.time)).name
 
     def _dominates(self, a: Choice, b: Choice) -> bool:
-        a_error, b_error = (c.error if c.error > EXACT else 0.0 for c in (a, b))
+        pairs = [(a.error, b.error)]
+        if len(a.distribution) == len(b.distribution):  # not by counts the one, by scenes the other
+            pairs = list(zip(a.distribution, b.distribution, strict=True))
+        differences = [x - y if max(x, y) > EXACT else 0.0 for x, y in pairs]
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)
-        return not slower and a_error <= b_error and (faster or a_error < b_error)
+        return not slower and max(differences) <= 0 and (faster or min(differences) < 0)
+
+
+def _apart(reference: np.ndarray, picture: np.ndarray) -> tuple[float, float]:
+    return flip(reference, picture), rmse(reference, picture)
 
 
 def _times(option: dict) -> list[float]:

@@ -124,7 +124,7 @@ struct EachDrawn {
 
 // draw_sparkles with another number of drawn sparkles.
 template <int drawn>
-struct DrawnThenNormal {
+struct DrawnThenSkewed {
   template <class T>
   Rgb<T> operator()(const ExpectedSparkles<T>& expected, T area_spread, HashWords key, int x, int y,
                     HashWords words, T count) const {
@@ -138,7 +138,7 @@ struct DrawnThenNormal {
 
 // Likewise, with the mean and the variance of the sum alone.
 template <int drawn>
-struct DrawnThenTwoMoments {
+struct DrawnThenNormal {
   template <class T>
   Rgb<T> operator()(const ExpectedSparkles<T>& expected, T area_spread, HashWords key, int x, int y,
                     HashWords words, T count) const {
@@ -201,7 +201,7 @@ struct MeanOnly {
 
 // What the core draws, and the exact draw.
 using CoreCount = InversionThen<Form::cornish_fisher, kPoissonClosedForm>;
-using CoreSum = DrawnThenNormal<kDrawnSparkles>;
+using CoreSum = DrawnThenSkewed<kDrawnSparkles>;
 using Exact = Alternative<Inversion, EachDrawn>;
 
 }  // namespace trade

@@ -55,7 +55,10 @@ CoatingTable<T> interference_coating() {
 template <class T, class Draw>
 class ModelOf : public Model {
  public:
-  ModelOf(Paint paint, const Change& change, Draw draw) : paint_(paint), draw_(draw) {
+  ModelOf(const Scene& scene, const Change& change, Draw draw)
+      : paint_(scene.paint),
+        light_{scene.light.kind, Vec3<T>(scene.light.vector), static_cast<T>(scene.light.size)},
+        draw_(draw) {
     change.paint(paint_);
     layer_ = make_layer<T>(paint_);
     coating_ = interference_coating<T>();
@@ -102,8 +105,7 @@ class ModelOf : public Model {
     return paint_stream(paint, 0);
   }
   ExpectedSparkles<T> expect(const SurfacePoint<T>& point) const {
-    const Light<T> sun{kSun.kind, Vec3<T>(kSun.vector), static_cast<T>(kSun.size)};
-    return expect_sparkles(layer_, point, see_light(sun, point.position));
+    return expect_sparkles(layer_, point, see_light(light_, point.position));
   }
   Drawn draw_one(const ExpectedSparkles<T>& expected, HashWords key,
                  const SurfacePoint<T>& point) const {
@@ -113,6 +115,7 @@ class ModelOf : public Model {
   }
 
   Paint paint_;
+  Light<T> light_;
   Draw draw_;
   Layer<T> layer_;
   CoatingTable<T> coating_;
@@ -121,12 +124,12 @@ class ModelOf : public Model {
   std::vector<SurfacePoint<T>> points_;
 };
 
-using MakeModel = std::function<std::unique_ptr<Model>(const Paint&)>;
+using MakeModel = std::function<std::unique_ptr<Model>(const Scene&)>;
 
 template <class T, class Draw>
 MakeModel model(Change change = {}, Draw draw = {}) {
   return
-      [=](const Paint& paint) { return std::make_unique<ModelOf<T, Draw>>(paint, change, draw); };
+      [=](const Scene& scene) { return std::make_unique<ModelOf<T, Draw>>(scene, change, draw); };
 }
 
 // Which random numbers an option shares with the exact one of its group.
@@ -177,15 +180,15 @@ inline std::vector<Group> groups() {
         {"double", shipped<double>()},
         {"double, table of 256 for ⟨s⟩", shipped<double>({.projection_intervals = 256})},
         {"long double", shipped<long double>()}}},
-      // Tables hold P at the centre of the cone of normals.
+      // The paper has P at the centre of the cone of normals, from a table.
       {"orientation P(β)",
        "integrated over the cone",
        "integrated over the cone",
        {{"integrated over the cone", shipped()},
-        {"at its centre, table of 256", orientation(256)},
-        {"at its centre, table of 1024", orientation(1024)},
-        {"at its centre, table of 4096", orientation(4096)},
-        {"at its centre, table of 16384", orientation(16384)}}},
+        {"at the centre, table of 256", orientation(256)},
+        {"at the centre, table of 1024", orientation(1024)},
+        {"at the centre, table of 4096", orientation(4096)},
+        {"at the centre, table of 16384", orientation(16384)}}},
       {"blocked area ⟨s⟩ − ⟨t⟩",
        "exact",
        "exact",
@@ -220,13 +223,14 @@ inline std::vector<Group> groups() {
         {"Bernoulli below 0.1", counting<Bernoulli>()}}},
       {"sum over N",
        "each drawn",
-       "16 drawn, then normal",
-       {{"16 drawn, then normal", summing<CoreSum>(), Numbers::counts},
+       "16 drawn, then skewed normal",
+       {{"16 drawn, then skewed normal", summing<CoreSum>(), Numbers::counts},
         {"each drawn", summing<EachDrawn>()},
-        {"64 drawn, then normal", summing<DrawnThenNormal<64>>(), Numbers::counts},
-        {"4 drawn, then normal", summing<DrawnThenNormal<4>>(), Numbers::counts},
-        {"normal always", summing<DrawnThenNormal<0>>(), Numbers::counts},
-        {"16 drawn, then two moments", summing<DrawnThenTwoMoments<16>>(), Numbers::counts},
+        {"64 drawn, then skewed normal", summing<DrawnThenSkewed<64>>(), Numbers::counts},
+        {"8 drawn, then skewed normal", summing<DrawnThenSkewed<8>>(), Numbers::counts},
+        {"4 drawn, then skewed normal", summing<DrawnThenSkewed<4>>(), Numbers::counts},
+        {"skewed normal always", summing<DrawnThenSkewed<0>>(), Numbers::counts},
+        {"16 drawn, then normal", summing<DrawnThenNormal<16>>(), Numbers::counts},
         {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
         {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
       {"radiometry",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The model against individually traced flakes that hide one another: which of the two depth models
-// is nearer, and when.
+// is nearer, and when; and what whole pictures of the two are like.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,13 @@
 #include <ctime>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "batch.h"
 #include "measure.h"
-#include "paint.h"
 #include "reference/explicit_flakes.h"
+#include "scene.h"
 
 namespace trade {
 
@@ -124,27 +126,56 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
   return found;
 }
 
-// Seconds that one pixel takes if each of its flakes is traced.
-inline double seconds_to_trace(const Paint& paint, const SurfacePoint<double>& point,
-                               const Light<double>& sun) {
-  // The pixel's plane turned to z = 0: only the three cosines matter.
-  const double cos_view = dot(point.normal, point.view), cos_light = dot(point.normal, sun.vector);
-  const double sin_view = std::sqrt(1 - cos_view * cos_view);
-  const double sin_light = std::sqrt(1 - cos_light * cos_light);
+// The pixel as a plane z = 0; only the three cosines matter.
+inline reference::ExplicitScene explicit_pixel(const Scene& scene,
+                                               const SurfacePoint<double>& point) {
+  const SeenLight<double> seen = see_light(scene.light, point.position);
+  const Vec3<double> light(seen.direction);
+  const double cos_view = dot(point.normal, point.view), cos_light = dot(point.normal, light);
+  const double sin_view = std::sqrt((1 - cos_view) * (1 + cos_view));
+  const double sin_light = std::sqrt((1 - cos_light) * (1 + cos_light));
   const double cos_azimuth = std::clamp(
-      (dot(point.view, sun.vector) - cos_view * cos_light) / (sin_view * sin_light), -1.0, 1.0);
-  reference::ExplicitScene scene;
-  scene.paint = paint;
-  scene.view = {sin_view, 0, cos_view};
-  scene.light = {sin_light * cos_azimuth, sin_light * std::sqrt(1 - cos_azimuth * cos_azimuth),
+      (dot(point.view, light) - cos_view * cos_light) / (sin_view * sin_light), -1.0, 1.0);
+  reference::ExplicitScene pixel;
+  pixel.paint = scene.paint;
+  pixel.view = {sin_view, 0, cos_view};
+  pixel.light = {sin_light * cos_azimuth, sin_light * std::sqrt(1 - cos_azimuth * cos_azimuth),
                  cos_light};
-  scene.light_radius = std::asin(sun.size);
-  scene.footprint = point.footprint;
-  scene.pixels = 16;
-  const std::clock_t start = std::clock();
-  reference::trace_explicit_flakes(scene);
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC /
-         static_cast<double>(scene.pixels);
+  pixel.light_radius = angular_radius(seen);
+  pixel.footprint = point.footprint;
+  return pixel;
+}
+
+// The picture, each flake of each pixel traced.
+inline std::vector<Rgb<double>> trace_picture(const Scene& scene, const Picture& picture,
+                                              int seed) {
+  std::vector<Rgb<double>> radiance(picture.points.size());
+  parallel_for(
+      radiance.size(),
+      [&](std::size_t i) {
+        reference::ExplicitScene pixel = explicit_pixel(scene, picture.points[i]);
+        pixel.seed = static_cast<std::uint64_t>(seed) << 32 | i;
+        radiance[i] = reference::trace_explicit_flakes(pixel).radiance[0];
+      },
+      16);
+  return radiance;
+}
+
+// `count` pixels like each of `points`.
+inline std::vector<Draws> trace_draws(const Scene& scene,
+                                      const std::vector<SurfacePoint<double>>& points, int count,
+                                      std::uint64_t seed) {
+  std::vector<Draws> pixels;
+  for (const SurfacePoint<double>& point : points) {
+    reference::ExplicitScene pixel = explicit_pixel(scene, point);
+    pixel.pixels = static_cast<std::size_t>(count);
+    pixel.seed = seed;
+    const reference::ExplicitResult result = reference::trace_explicit_flakes(pixel);
+    Draws draws{result.count, {}};
+    for (const Rgb<double>& t : result.radiance) draws.radiance.push_back(luminance(t));
+    pixels.push_back(std::move(draws));
+  }
+  return pixels;
 }
 
 }  // namespace trade

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A painted ball under the sun before a pinhole camera, pixel by pixel, without a renderer.
+// A painted ball under one light before a pinhole camera, pixel by pixel, without a renderer.
 #pragma once
 
 #include <cmath>
@@ -14,27 +14,29 @@ namespace trade {
 
 using namespace metallic_paint;
 
+inline const Light<double> kSun{LightKind::parallel, {0.36, 0.48, 0.8}, 0.00465};
+
 struct Scene {
   std::string name;
   double pixel;  // its side on the ball where that is level, m
   Paint paint;
+  Light<double> light = kSun;
 };
 
 // From near to far: from rare bright points over texture to the mean. Flakes that lie flatter than
-// the default's are what tables see least of; those less flat show their backs.
+// the default's are what tables see least of; those less flat show their backs. The lamp is as wide
+// as the tilt: the quarter cone of normals that mirror it has a third of the tilt for its radius.
 inline std::vector<Scene> scenes() {
   Paint narrow;
   narrow.tilt = 0.05;
   Paint wide;
   wide.tilt = 0.4;
-  return {{"near", 2.5e-3, {}},
-          {"middle", 12e-3, {}},
-          {"far", 0.1, {}},
-          {"narrow", 12e-3, narrow},
-          {"wide", 12e-3, wide}};
+  Paint flat;
+  flat.tilt = 0.06;
+  const Light<double> lamp{LightKind::parallel, kSun.vector, std::sin(0.06)};
+  return {{"near", 2.5e-3, {}},      {"middle", 12e-3, {}}, {"far", 0.1, {}},
+          {"narrow", 12e-3, narrow}, {"wide", 12e-3, wide}, {"lamp", 1e-3, flat, lamp}};
 }
-
-inline const Light<double> kSun{LightKind::parallel, {0.36, 0.48, 0.8}, 0.00465};
 
 struct Picture {
   int size;
@@ -42,7 +44,7 @@ struct Picture {
   std::vector<float> base;                   // of every pixel: the rest of the picture, grey
 };
 
-// Radiance of the ball's dull ground and of the background, the sun on white being 1.
+// Radiance of the ball's dull ground and of the background, the light on white being 1.
 inline constexpr double kGround = 0.04, kBackground = 0.15;
 
 inline Picture look(const Scene& scene, int size) {
@@ -67,7 +69,7 @@ inline Picture look(const Scene& scene, int size) {
       const Vec3<double> position = eye + ray * t;
       const Vec3<double> normal = position / radius;
       const Vec3<double> view = ray * -1.0;
-      const double lit = std::max(dot(normal, kSun.vector), 0.0);
+      const double lit = std::max(dot(normal, scene.light.vector), 0.0);
       picture.base.push_back(static_cast<float>(kGround * lit));
       // The pixel's solid angle is step^2 cos^3; over cos(gamma), times t^2, its footprint.
       const double solid_angle = step * step / (length_through * length_through * length_through);

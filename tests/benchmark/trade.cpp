@@ -24,10 +24,11 @@ struct Effort {
   int size, rounds;
   std::size_t timed_pixels;
   int judged_pixels, draws, draws_of_sums, traced_pixels;
+  int traced_size, traced_judged_pixels, traced_draws;  // against whole pictures of traced flakes
   std::size_t scenes;
 };
-constexpr Effort kFull{256, 25, 8192, 12, 16384, 1 << 17, 16384, 5};
-constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 12, 512, 3};
+constexpr Effort kFull{256, 25, 8192, 12, 8192, 1 << 17, 16384, 80, 6, 512, 6};
+constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 512, 24, 3, 128, 3};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
 constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
@@ -54,7 +55,7 @@ std::vector<Measured> make_models(const Scene& scene) {
       m.shipped = option.name == group.shipped;
       m.copy = m.shipped && group.default_paint;
       const std::clock_t start = std::clock();
-      m.model = option.make(scene.paint);
+      m.model = option.make(scene);
       m.seconds_to_make = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
       all.push_back(std::move(m));
     }
@@ -79,7 +80,8 @@ std::vector<SurfacePoint<double>> pixels_to_judge(const Scene& scene, const Pict
   const Layer<double> layer = make_layer<double>(scene.paint);
   std::vector<std::pair<double, SurfacePoint<double>>> by_count;
   for (const SurfacePoint<double>& point : picture.points) {
-    const double mean = expect_sparkles(layer, point, see_light(kSun, point.position)).mean_count;
+    const double mean =
+        expect_sparkles(layer, point, see_light(scene.light, point.position)).mean_count;
     by_count.emplace_back(mean, point);
   }
   std::sort(by_count.begin(), by_count.end(),
@@ -143,27 +145,34 @@ void write_floats(const std::filesystem::path& file, const std::vector<float>& v
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
+void write_picture(const std::vector<Rgb<double>>& radiance, const Picture& picture,
+                   const std::filesystem::path& file) {
+  std::vector<float> image(picture.base.size() * 3, 0);
+  for (std::size_t i = 0; i < radiance.size(); ++i) {
+    const SurfacePoint<double>& p = picture.points[i];
+    const std::size_t at = 3 * static_cast<std::size_t>(p.pixel_y * picture.size + p.pixel_x);
+    image[at] = static_cast<float>(radiance[i].x);
+    image[at + 1] = static_cast<float>(radiance[i].y);
+    image[at + 2] = static_cast<float>(radiance[i].z);
+  }
+  write_floats(file, image);
+}
+
 void paint_picture(Model& model, const Picture& picture, int seed,
                    const std::filesystem::path& file) {
   std::vector<Drawn> drawn;
   model.load(picture.points);
   model.draw(seed, drawn);
-  std::vector<float> image(picture.base.size() * 3, 0);
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    const SurfacePoint<double>& p = picture.points[i];
-    const std::size_t at = 3 * static_cast<std::size_t>(p.pixel_y * picture.size + p.pixel_x);
-    image[at] = static_cast<float>(drawn[i].radiance.x);
-    image[at + 1] = static_cast<float>(drawn[i].radiance.y);
-    image[at + 2] = static_cast<float>(drawn[i].radiance.z);
-  }
-  write_floats(file, image);
+  std::vector<Rgb<double>> radiance;
+  for (const Drawn& d : drawn) radiance.push_back(d.radiance);
+  write_picture(radiance, picture, file);
 }
 
 // The alternatives repeat the core's code; with the core's own numbers they must give its draws.
 void check_alternatives(const Scene& scene, const std::vector<SurfacePoint<double>>& points) {
   std::vector<Drawn> a, b;
-  const auto core = shipped()(scene.paint);
-  const auto repeated = model<float, Alternative<CoreCount, CoreSum>>()(scene.paint);
+  const auto core = shipped()(scene);
+  const auto repeated = model<float, Alternative<CoreCount, CoreSum>>()(scene);
   core->load(points);
   repeated->load(points);
   core->draw(kSeed, a);
@@ -224,8 +233,8 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
     }
   }
   // What other random numbers alone do.
-  const auto exact = model<double, Exact>()(scene.paint);
-  const auto other_sums = model<double, Exact>({}, {{}, {kOtherSparkles}})(scene.paint);
+  const auto exact = model<double, Exact>()(scene);
+  const auto other_sums = model<double, Exact>({}, {{}, {kOtherSparkles}})(scene);
   const auto reference = draws_of(*exact, judged, effort.draws, kSeed);
   const Errors floor_counts = errors(draws_of(*other_sums, judged, effort.draws, kSeed), reference);
   const Errors floor_own =
@@ -244,20 +253,14 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   const Layer<double> layer = make_layer<double>(scene.paint);
   const SurfacePoint<double>& brightest = *std::max_element(
       picture.points.begin(), picture.points.end(), [&](const auto& a, const auto& b) {
-        return expect_sparkles(layer, a, see_light(kSun, a.position)).mean_count <
-               expect_sparkles(layer, b, see_light(kSun, b.position)).mean_count;
+        return expect_sparkles(layer, a, see_light(scene.light, a.position)).mean_count <
+               expect_sparkles(layer, b, see_light(scene.light, b.position)).mean_count;
       });
   out << "{\"name\": " << quoted(scene.name) << ", \"pixel\": " << scene.pixel
       << ", \"tilt\": " << scene.paint.tilt << ", \"sparkles\": "
-      << expect_sparkles(layer, brightest, see_light(kSun, brightest.position)).mean_count
-      << ", \"flakes\": " << layer.areal_density * brightest.footprint << ", \"explicit\": ";
-  // So many flakes are traced one by one in reasonable time.
-  if (layer.areal_density * brightest.footprint < 1e6) {
-    out << seconds_to_trace(scene.paint, brightest, kSun);
-  } else {
-    out << "null";
-  }
-  out << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
+      << expect_sparkles(layer, brightest, see_light(scene.light, brightest.position)).mean_count
+      << ", \"flakes\": " << layer.areal_density * brightest.footprint
+      << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
       << ",\n \"floor\": {\"counts\": ";
   write_errors(out, floor_counts);
   out << ", \"own\": ";
@@ -310,8 +313,8 @@ class SumLaws {
  public:
   SumLaws(const Scene& scene, int draws) : draws_(draws), spread_(scene.paint.flake_area_spread) {
     const auto point = pixels_to_judge(scene, look(scene, 64), 1).front();
-    expected_ =
-        expect_sparkles(make_layer<double>(scene.paint), point, see_light(kSun, point.position));
+    expected_ = expect_sparkles(make_layer<double>(scene.paint), point,
+                                see_light(scene.light, point.position));
     for (int n : kSumCounts) exact_.push_back(drawn(EachDrawn{}, n));
   }
 
@@ -355,11 +358,12 @@ void write_sums(std::ostream& out, const SumLaws& laws) {
   write_list(out, kSumCounts, [&](int n) { out << n; });
   out << ",\n\"sums\": [";
   write("each drawn, other numbers", laws.distances(EachDrawn{kOtherSparkles}));
-  write("64 drawn, then normal", laws.distances(DrawnThenNormal<64>{}));
-  write("16 drawn, then normal", laws.distances(CoreSum{}));
-  write("4 drawn, then normal", laws.distances(DrawnThenNormal<4>{}));
-  write("16 drawn, then two moments", laws.distances(DrawnThenTwoMoments<16>{}));
-  write("normal always", laws.distances(DrawnThenNormal<0>{}));
+  write("64 drawn, then skewed normal", laws.distances(DrawnThenSkewed<64>{}));
+  write("16 drawn, then skewed normal", laws.distances(CoreSum{}));
+  write("8 drawn, then skewed normal", laws.distances(DrawnThenSkewed<8>{}));
+  write("4 drawn, then skewed normal", laws.distances(DrawnThenSkewed<4>{}));
+  write("skewed normal always", laws.distances(DrawnThenSkewed<0>{}));
+  write("16 drawn, then normal", laws.distances(DrawnThenNormal<16>{}));
   write("N × mean sparkle", laws.distances(CountTimesMean{}), "");
   out << ']';
 }
@@ -383,6 +387,57 @@ void write_explicit(std::ostream& out, int pixels) {
   });
 }
 
+// The group's options that are held against traced flakes too.
+constexpr std::pair<const char*, const char*> kHeldAgainstTraced[] = {
+    {"all together", "as shipped"},
+    {"all together", "everything exact, in double"},
+    {"depth", "thinned"},
+    {"radiometry", "published"},
+    {"sum over N", "N × mean sparkle"},
+    {"sum over N", "mean only, no draw"}};
+
+// The nearest scene with every flake traced: what the model as a whole, not only its draw, costs
+// and errs.
+void write_traced(std::ostream& out, const std::filesystem::path& folder, const Effort& effort) {
+  const Scene scene = scenes().front();
+  const Picture picture = look(scene, effort.traced_size);
+  write_floats(folder / "traced-base.raw", picture.base);
+  const auto model = shipped()(scene);
+  const std::clock_t start = std::clock();  // of all threads
+  for (int seed : {kSeed, kOtherSeed}) {
+    write_picture(trace_picture(scene, picture, seed), picture,
+                  folder / ("traced-" + std::to_string(seed) + ".raw"));
+  }
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC /
+                         (2 * static_cast<double>(picture.points.size()));
+  for (int seed : {kSeed, kOtherSeed}) {
+    paint_picture(*model, picture, seed,
+                  folder / ("traced-model-" + std::to_string(seed) + ".raw"));
+  }
+  const auto judged = pixels_to_judge(scene, picture, effort.traced_judged_pixels);
+  const auto traced = trace_draws(scene, judged, effort.traced_draws, kSeed);
+  out << "\"traced\": {\"scene\": " << quoted(scene.name) << ", \"size\": " << picture.size
+      << ", \"seconds\": " << seconds << ", \"judged\": " << judged.size()
+      << ", \"draws\": " << effort.traced_draws << ", \"floor\": ";
+  write_errors(out, errors(trace_draws(scene, judged, effort.traced_draws, kOtherSeed), traced));
+  out << ", \"options\": ";
+  const std::vector<Group> all = groups();
+  write_list(out, kHeldAgainstTraced, [&](const auto& held) {
+    const auto named = [](const char* name) {
+      return [name](const auto& item) { return item.name == name; };
+    };
+    const auto group = std::find_if(all.begin(), all.end(), named(held.first));
+    const auto option =
+        std::find_if(group->options.begin(), group->options.end(), named(held.second));
+    const auto drawing = option->make(scene);
+    out << "{\"group\": " << quoted(held.first) << ", \"name\": " << quoted(held.second)
+        << ", \"error\": ";
+    write_errors(out, errors(draws_of(*drawing, judged, effort.traced_draws, kSeed), traced));
+    out << '}';
+  });
+  out << '}';
+}
+
 void run(const std::filesystem::path& folder, const Effort& effort) {
   std::ofstream out(folder / "measurements.json");
   out.precision(8);
@@ -400,6 +455,8 @@ void run(const std::filesystem::path& folder, const Effort& effort) {
   std::cout << "Tracing flakes one by one…" << std::endl;
   out << ",\n";
   write_explicit(out, effort.traced_pixels);
+  out << ",\n";
+  write_traced(out, folder, effort);
   out << "}\n";
   out.close();
   if (!out) throw std::runtime_error("cannot write " + (folder / "measurements.json").string());
