@@ -190,6 +190,42 @@ T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2
   return std::min(sum, T(1));
 }
 
+// A random flake's tilt, for a uniform deviate u in (0, 1): not quite P(beta) sin(beta), so with
+// the weight that makes up for it.
+template <class T>
+struct SampledTilt {
+  T sin2_half_beta;
+  T weight;  // P(beta) sin(beta) over the density it was drawn with
+};
+
+//   gaussian  up to 1/2: exp(-b^2/2s^2) b below 90 degrees; above: evenly over the half sphere
+//   beckmann  the shape times cos(beta): exponential in tan^2(beta), weight <cos>/cos(beta)
+//   ggx       in x = 1 - cos(beta) under 1/(a^2 + w x)^2, w = 1 - a^2, which is above the shape
+//             1/(a^2 + w x (2 - x))^2, so that no weight passes 1/(a^2 norm) < 2
+template <class T>
+SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
+  const T square = density.tilt * density.tilt;
+  if (density.kind == Orientation::beckmann) {
+    const T tan2 = -square * logarithm(u);
+    const T cos_beta = 1 / std::sqrt(1 + tan2);
+    // 1 - cos = sin^2/(1 + cos)
+    return {T(0.5) * tan2 * cos_beta * cos_beta / (1 + cos_beta), density.mean_cos / cos_beta};
+  }
+  if (density.kind == Orientation::ggx) {
+    const T w = (1 - density.tilt) * (1 + density.tilt);
+    const T x = u * square / (1 - u * w);
+    const T ratio = (square + w * x) / (square + w * x * (2 - x));
+    return {x / 2, ratio * ratio / (density.norm * square)};
+  }
+  if (density.tilt > T(0.5)) return {u / 2, orientation_density(density, u / 2)};
+  const T half_pi = std::numbers::pi_v<T> / 2;
+  const T below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
+  const T beta = density.tilt * std::sqrt(-2 * logarithm(1 - u * below));
+  const T half = sine(beta / 2);
+  const T sinc = beta > 0 ? sine(beta) / beta : T(1);
+  return {half * half, sinc * square * below / density.norm};
+}
+
 // P(beta) at cos(beta) = 0, 1/n, ..., 1, interpolated linearly, as the paper tabulates it to be rid
 // of the exponential and the arccosine. Scaled so that the interpolated density integrates to 1
 // exactly. Even steps in cos(beta) see little of narrow tilts: with 16384 of them the largest

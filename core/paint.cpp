@@ -5,39 +5,13 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "batch.h"
+#include "validation.h"
 
 namespace metallic_paint {
 namespace {
-
-std::string text(double value, int digits = 9) {
-  std::ostringstream stream;
-  stream.precision(digits);
-  stream << value;
-  return stream.str();
-}
-
-[[noreturn]] void reject(const std::string& field, const std::string& value,
-                         const std::string& range) {
-  throw std::invalid_argument(field + " is " + value + ", but must be " + range);
-}
-
-[[noreturn]] void reject(const std::string& field, double value, const std::string& range) {
-  reject(field, text(value), range);
-}
-
-void require_range(const std::string& field, double value, double least, double most,
-                   const std::string& unit = "") {
-  if (value >= least && value <= most) return;  // false for NaN
-  std::string shown = text(value);
-  // All digits where these are those of the limit that the value misses.
-  if (shown == text(least) || shown == text(most)) shown += " (" + text(value, 17) + ")";
-  reject(field, shown, "from " + text(least) + " to " + text(most) + unit);
-}
 
 bool is_whole(double value, double least, double most) {
   return value >= least && value <= most && value == std::floor(value);
@@ -46,20 +20,6 @@ bool is_whole(double value, double least, double most) {
 void require_uniform(const std::string& field, double value) {
   if (value > 0 && value <= 1) return;
   reject(field, text(value, 17), "above 0 and at most 1");
-}
-
-// Vectors come as floats: unit length to a thousandth.
-bool is_unit(double square) { return std::abs(square - 1) < 2e-3; }
-
-std::string at_row(const std::string& field, std::size_t row) {
-  return field + "[" + std::to_string(row) + "]";
-}
-
-void require_colour(const std::string& field, Rgb<double> value, double most,
-                    const std::string& unit = "") {
-  require_range(field + ".r", value.x, 0, most, unit);
-  require_range(field + ".g", value.y, 0, most, unit);
-  require_range(field + ".b", value.z, 0, most, unit);
 }
 
 // Reflectance and transmittance may not give back more than falls in, beyond rounding of the sum.
@@ -131,11 +91,11 @@ void validate(const CoatingTable<double>& table) {
            "that of coating.reflectance, " + std::to_string(size));
   }
   for (std::size_t i = 0; i < size; ++i) {
-    const std::string row = "[" + std::to_string(i) + "]";
-    require_colour("coating.reflectance" + row, table.reflectance[i], 1);
-    require_colour("coating.transmittance" + row, table.transmittance[i], 1);
-    require_sum("coating.reflectance" + row + " + coating.transmittance" + row,
-                table.reflectance[i], table.transmittance[i]);
+    const std::string reflectance = at_row("coating.reflectance", i);
+    const std::string transmittance = at_row("coating.transmittance", i);
+    require_colour(reflectance, table.reflectance[i], 1);
+    require_colour(transmittance, table.transmittance[i], 1);
+    require_sum(reflectance + " + " + transmittance, table.reflectance[i], table.transmittance[i]);
   }
 }
 
@@ -156,9 +116,7 @@ void validate_eta(double eta) { require_range("eta", eta, 0.1, 10); }
 void validate_beta(double beta) { require_range("beta", beta, 0, std::numbers::pi / 2, " rad"); }
 
 void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction) {
-  const double square = dot(direction, direction);
-  if (is_unit(square)) return;
-  reject("length of " + at_row(field, row), std::sqrt(square), "1 to a thousandth");
+  require_unit(at_row(field, row), direction);
 }
 
 void validate_int32(const std::string& field, std::size_t row, double value) {
@@ -169,22 +127,22 @@ void validate_int32(const std::string& field, std::size_t row, double value) {
 
 void validate(const PixelBatch& batch, std::size_t lights) {
   // All zero: a pixel without surface.
-  const auto require_unit = [](const char* name, const double* v, std::size_t row) {
+  const auto require_unit_or_zero = [](const char* name, const double* v, std::size_t row) {
     const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     if (square == 0 || is_unit(square)) return;
     reject("length of " + at_row(name, row), std::sqrt(square),
            "1 to a thousandth, or 0 where there is no surface");
   };
   for (std::size_t i = 0; i < batch.size; ++i) {
-    const std::string row = "[" + std::to_string(i) + "]";
+    const std::string position = at_row("position", i);
     for (std::size_t c = 0; c < 3; ++c) {
-      require_range("position" + row, batch.position[3 * i + c], -1e30, 1e30, " scene units");
+      require_range(position, batch.position[3 * i + c], -1e30, 1e30, " scene units");
     }
-    require_unit("normal", batch.normal + 3 * i, i);
-    require_unit("view", batch.view + 3 * i, i);
-    require_range("footprint" + row, batch.footprint[i], 0, 1e30, " m2");
+    require_unit_or_zero("normal", batch.normal + 3 * i, i);
+    require_unit_or_zero("view", batch.view + 3 * i, i);
+    require_range(at_row("footprint", i), batch.footprint[i], 0, 1e30, " m2");
     if (batch.slant == nullptr) continue;
-    const std::string slant_depth = "slant_depth" + row;
+    const std::string slant_depth = at_row("slant_depth", i);
     for (std::size_t k = 3 * lights * i; k < 3 * lights * (i + 1); ++k) {
       require_range(slant_depth, batch.slant[k], 0, 1e30);
     }

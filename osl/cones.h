@@ -6,6 +6,7 @@
 #pragma once
 
 #include "stdcycles.h"
+#include "flake_lobe.h"
 #include "light.h"
 #include "random.h"
 
@@ -17,6 +18,12 @@
 // Wider cones would keep dimmer sparkles, but a cone also reflects what else lies in it: of a world of radiance 1, 5e-4 of
 // the sparkles of a sun of 3 W/m2 on average (measured), more in dim pixels.
 #define WIDEST_CONE 0.5
+
+// Half-angle of the cone in which a flake's mirror direction is widened under other light than the listed: area lights are
+// then sampled as well, and lights beyond the slots seen. Part of the spread that the flakes themselves give the highlight, so
+// that it widens that by less than 1 %.
+#define LOBE_SPREAD 0.1
+#define WIDEST_LOBE 0.05
 
 // Half-angle for a T of that average: wide enough for twice the least weight, within the bounds.
 float cone_half_angle(float average, float least, float most)
@@ -49,4 +56,22 @@ closure color sparkle_cone(color radiance, vector view, vector direction, float 
     weight = weight / keep;
   }
   return weight * glossy_toon(normalize(view + direction), rho / M_PI_2, 0.0);
+}
+
+// What one random flake shows of all light but the listed, whose sparkles have cones of their own: a narrow cone, or a mirror
+// where a listed light is near, or nothing where one is met.
+closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen[8], int lights, float tilt)
+{
+  closure color none = 0;
+  float rho = min(LOBE_SPREAD * tilt, WIDEST_LOBE);
+  SeenLight towards;
+  towards.direction = mirrored.direction;
+  for (int i = 0; i < lights; ++i)
+    rho = min(rho, angle_between(towards, seen[i]) - angular_radius(seen[i]) - CONE_MARGIN);
+  if (rho <= -CONE_MARGIN)
+    return none;
+  vector half = normalize(view + mirrored.direction);
+  if (rho < CONE_MARGIN)
+    return mirrored.weight * reflection(half);
+  return mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);
 }

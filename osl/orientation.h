@@ -149,6 +149,45 @@ float cap_probability(OrientationDensity density, float sin2_half_beta, float si
   return min(sum, 1.0);
 }
 
+struct SampledTilt {
+  float sin2_half_beta;
+  float weight;
+};
+
+SampledTilt sample_tilt(OrientationDensity density, float deviate)
+{
+  SampledTilt sampled;
+  float square = density.tilt * density.tilt;
+  if (density.kind == ORIENTATION_BECKMANN) {
+    float tan2 = -square * logarithm(deviate);
+    float cos_beta = 1.0 / sqrt(1.0 + tan2);
+    sampled.sin2_half_beta = 0.5 * tan2 * cos_beta * cos_beta / (1.0 + cos_beta);
+    sampled.weight = density.mean_cos / cos_beta;
+  }
+  else if (density.kind == ORIENTATION_GGX) {
+    float w = (1.0 - density.tilt) * (1.0 + density.tilt);
+    float x = deviate * square / (1.0 - deviate * w);
+    float ratio = (square + w * x) / (square + w * x * (2.0 - x));
+    sampled.sin2_half_beta = x / 2.0;
+    sampled.weight = ratio * ratio / (density.norm * square);
+  }
+  else if (density.tilt > 0.5) {
+    sampled.sin2_half_beta = deviate / 2.0;
+    sampled.weight = orientation_density(density, deviate / 2.0);
+  }
+  else {
+    float below = 1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square);
+    float beta = density.tilt * sqrt(-2.0 * logarithm(1.0 - deviate * below));
+    float half = sine(beta / 2.0);
+    float sinc = 1.0;
+    if (beta > 0.0)
+      sinc = sine(beta) / beta;
+    sampled.sin2_half_beta = half * half;
+    sampled.weight = sinc * square * below / density.norm;
+  }
+  return sampled;
+}
+
 float gaussian_back_area(OrientationDensity density, float cos_theta)
 {
   float b0 = HALF_PI - arccosine(cos_theta);

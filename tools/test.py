@@ -28,6 +28,19 @@ from processes import (
 GROUP_SECONDS = 1800
 FUZZ_RUNS = 60_000  # about 15 s
 NO_TEST_COLLECTED = 5  # pytest's exit code
+CORE_SHARDS = 2
+# GoogleTests in as many processes as result files: `sh -c RUN_SHARDS tests results...`. One process
+# group, so that a time limit or Ctrl-C ends them all.
+RUN_SHARDS = """
+export GTEST_TOTAL_SHARDS=$# GTEST_SHARD_INDEX=0
+for results; do
+  "$0" --gtest_brief=1 --gtest_output="xml:$results" &
+  pids="$pids $!"
+  GTEST_SHARD_INDEX=$((GTEST_SHARD_INDEX + 1))
+done
+for pid in $pids; do wait "$pid" || code=$?; done
+exit "${code:-0}"
+"""
 
 
 @dataclass
@@ -93,9 +106,9 @@ def _build_and_test_core(folder: Path, sanitizers: str) -> Outcome:
         run_step("Building the core's tests", ["cmake", "--build", folder], f"{folder.name}.log")
     except StepFailedError as error:
         return Outcome(failed=1, report=[str(error)])
-    results = folder / "results.xml"
     tests = folder / "tests" / "core" / "core_tests"
-    command = [tests, "--gtest_brief=1", f"--gtest_output=xml:{results}"]
+    results = [folder / f"results-{shard}.xml" for shard in range(CORE_SHARDS)]
+    command = ["sh", "-c", RUN_SHARDS, tests, *results]
     return _run_tests(command, results, f"test-{folder.name}")
 
 
@@ -126,14 +139,15 @@ def _pytest(blender: environments.Blender, file: Path) -> Outcome:
     results = BUILD / "results" / f"{name}.xml"
     command = [blender.python, "-m", "pytest", "-v", f"--rootdir={ROOT}", "-c",
                ROOT / "pyproject.toml", f"--junit-xml={results}", file]  # fmt: skip
-    return _run_tests(command, results, name)
+    return _run_tests(command, [results], name)
 
 
-def _run_tests(command: Sequence[str | Path], results: Path, name: str) -> Outcome:
+def _run_tests(command: Sequence[str | Path], results: Sequence[Path], name: str) -> Outcome:
     log = LOGS / f"{name}.log"
-    results.unlink(missing_ok=True)
+    for file in results:
+        file.unlink(missing_ok=True)
     code = run_limited(command, seconds=GROUP_SECONDS, log=log)
-    outcome = _count(results) if results.is_file() else Outcome()
+    outcome = _count([file for file in results if file.is_file()])
     if outcome.failed:
         outcome.report.append(tail(log, 200))
     elif code not in (0, NO_TEST_COLLECTED):
@@ -145,10 +159,10 @@ def _run_tests(command: Sequence[str | Path], results: Path, name: str) -> Outco
     return outcome
 
 
-def _count(results: Path) -> Outcome:
-    """Counts a JUnit file, as both GoogleTest and pytest write it."""
+def _count(results: Sequence[Path]) -> Outcome:
+    """Counts JUnit files, as both GoogleTest and pytest write them."""
     outcome = Outcome()
-    for case in ElementTree.parse(results).iter("testcase"):
+    for case in (case for file in results for case in ElementTree.parse(file).iter("testcase")):
         if case.find("failure") is not None or case.find("error") is not None:
             outcome.failed += 1
         elif case.find("skipped") is not None or case.get("status") == "notrun":

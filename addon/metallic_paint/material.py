@@ -67,6 +67,11 @@ _EXTRAS = {
         "Diagnostic Light", DIAGNOSTICS, 1, lights.SLOTS, 1,
         "The light slot whose inner value to show",
     ),
+    "OtherLight": _Extra(
+        "Other Light", SPARKLE, 0, 1, 1,
+        "1: the flakes also show the world, area lights and their surroundings. 0: there is no "
+        "other light than the sun, spots and points in the slots, and nothing is computed for it",
+    ),
 }  # fmt: skip
 
 
@@ -200,7 +205,9 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
     for name, parameter in PARAMETERS.items():
         _add_parameter(group, name, panels[parameter.panel])
         group.links.new(inside.outputs[parameter.label], script_inputs[parameter.shader])
-    for name, extra in _EXTRAS.items():
+
+    def add_extra(name: str) -> None:
+        extra = _EXTRAS[name]
         socket = group.interface.new_socket(
             extra.label, in_out="INPUT", socket_type="NodeSocketInt", parent=panels[extra.panel],
             description=extra.description,
@@ -208,9 +215,13 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
         socket.min_value, socket.max_value = extra.minimum, extra.maximum
         socket.default_value = extra.default
         group.links.new(inside.outputs[extra.label], script_inputs[name])
+
+    for name in ("Frame", "Diagnostic", "DiagnosticLight"):
+        add_extra(name)
     _add_normal(group)
     group.links.new(inside.outputs[NORMAL], script_inputs[NORMAL])
     _add_model_scale(group, panels[SPARKLE])
+    add_extra("OtherLight")
     _wire_lights(group, script_inputs, inside)
 
 

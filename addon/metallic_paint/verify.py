@@ -25,8 +25,8 @@ from .paint import Paint
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
-IRRADIANCE, SPARKLES, CONE, SOUND = 10, 11, 12, 13
-LIT = (IRRADIANCE, SPARKLES)  # surfaces under the lamps; the others are values to emit
+IRRADIANCE, SPARKLES, CONE, SOUND, LOBE = 10, 11, 12, 13, 14
+LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
 LEAST_WEIGHT = 1.1e-5

@@ -57,18 +57,4 @@ void validate(const ExplicitScene& scene);
 // On all cores; the same for a seed whatever their number.
 ExplicitResult trace_explicit_flakes(const ExplicitScene& scene);
 
-// SplitMix64 (Steele, Lea and Flood 2014): a stream of random words from any start.
-struct Stream {
-  std::uint64_t state;
-  std::uint64_t next();
-  double uniform();  // in (0, 1): odd multiples of 2^-53
-};
-
-struct Tilt {
-  double sine, cosine;  // of beta
-};
-
-// The angle between a flake's normal and the paint's, exactly as P(beta) sin(beta) has it.
-Tilt sample_tilt(Orientation orientation, double tilt, Stream& random);
-
 }  // namespace metallic_paint::reference

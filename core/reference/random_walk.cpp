@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reference/random_walk.h"
+#include "random_walk.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
-#include "batch.h"
-#include "reference/visible_flakes.h"
+#include "../batch.h"
+#include "../validation.h"
+#include "flake_normals.h"
+#include "optics.h"
+#include "random.h"
 
 namespace metallic_paint::reference {
 namespace {
@@ -21,55 +23,23 @@ constexpr double kRouletteWeight = 1e-3;
 constexpr std::size_t kMostDetectors = 4096;
 constexpr int kMostBins = 16384;
 
-// cos of the refracted angle from sin^2 + cos^2 = 1 and Snell, eta^2 cos^2(t) = (eta^2 - 1) +
-// cos^2(i); 0 under total reflection. eta: of the far side relative to the near side.
-double refracted_cosine(double cos_i, double eta) {
-  const double square = (eta - 1) * (eta + 1) + cos_i * cos_i;
-  return square > 0 ? std::min(std::sqrt(square) / eta, 1.0) : 0;
-}
-
-// Fresnel's reflectance for unpolarised light.
-double fresnel_reflectance(double cos_i, double cos_t, double eta) {
-  if (cos_t <= 0) return 1;
-  const double s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-  const double p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-  return (s * s + p * p) / 2;
-}
-
 // Lengths in units of the layer's thickness.
 struct Medium {
-  VisibleFlakes flakes;
-  Rgb<double> flake_color, flake_edge_color, flake_transmission;
-  double coverage;         // D <S> H
-  double rayleigh;         // (16 pi/3) c1 H
-  Rgb<double> absorption;  // kappa H
+  const Paint& paint;
+  FlakeNormals flakes;
+  ProjectedAreaTable projected_area;
+  double coverage, rayleigh;
+  Rgb<double> absorption;
   double eta;
 
-  explicit Medium(const Paint& paint)
-      : flakes(paint.orientation, paint.tilt),
-        flake_color(paint.flake_color),
-        flake_edge_color(paint.flake_edge_color),
-        flake_transmission(paint.flake_transmission),
-        eta(paint.binder_ior) {
-    const double thickness_mm = paint.layer_thickness_um * 1e-3;
-    rayleigh = 16 * kPi / 3 * paint.rayleigh_per_mm * thickness_mm;
-    absorption = paint.binder_absorption_per_mm * thickness_mm;
-    // Mean of max(0, 1 + s w) over standard normal deviates w.
-    const double s = paint.flake_area_spread;
-    double mean_area = 1;
-    if (s > 0) {
-      mean_area = std::erfc(-1 / (s * std::sqrt(2.0))) / 2 +
-                  s * std::exp(-1 / (2 * s * s)) / std::sqrt(2 * kPi);
-    }
-    const double diameter_mm = paint.flake_diameter_um * 1e-3;
-    coverage = paint.flakes_per_mm2 * kPi / 4 * diameter_mm * diameter_mm * mean_area;
-  }
-
-  // Schlick.
-  Rgb<double> reflectance(double cos_alpha) const {
-    const double x = std::max(1 - cos_alpha, 0.0);
-    return flake_color + (flake_edge_color - flake_color) * (x * x * x * x * x);
-  }
+  explicit Medium(const Paint& given)
+      : paint(given),
+        flakes(paint.orientation, paint.tilt),
+        projected_area(flakes),
+        coverage(flake_coverage(paint)),
+        rayleigh(rayleigh_depth(paint)),
+        absorption(absorption_depth(paint)),
+        eta(paint.binder_ior) {}
 };
 
 // A direction outside as it is reached from inside.
@@ -83,14 +53,14 @@ struct Detector {
   double factor = 0;
 
   Detector(const Medium& medium, Vec3<double> outside) {
-    const double cos_in = refracted_cosine(outside.z, medium.eta);
-    if (cos_in <= 0) return;
-    direction = {outside.x / medium.eta, outside.y / medium.eta, cos_in};
+    direction = refracted(outside, medium.eta);
+    const double cos_in = direction.z;
+    if (cos_in == 0) return;
     reflectance = fresnel_reflectance(outside.z, cos_in, medium.eta);
     factor = (1 - reflectance) / (medium.eta * medium.eta * cos_in);
     // Flakes let their transmittance through.
-    const double area = medium.coverage * medium.flakes.projected_area(cos_in);
-    slant = ((grey(1.0) - medium.flake_transmission) * area + grey(medium.rayleigh) +
+    const double area = medium.coverage * medium.projected_area.at(cos_in);
+    slant = ((grey(1.0) - medium.paint.flake_transmission) * area + grey(medium.rayleigh) +
              medium.absorption) /
             cos_in;
   }
@@ -109,7 +79,10 @@ class Walker {
  public:
   Walker(const Medium& medium, const WalkScene& scene, const std::vector<Detector>& detectors,
          std::size_t batch)
-      : medium_(medium), scene_(scene), detectors_(detectors), random_(scene.seed, batch) {
+      : medium_(medium),
+        scene_(scene),
+        detectors_(detectors),
+        random_(RandomStream(scene.seed).substream(batch)) {
     tally_.brdf.resize(detectors.size());
     tally_.bins.resize(static_cast<std::size_t>(scene.theta_bins * scene.phi_bins));
   }
@@ -139,7 +112,7 @@ class Walker {
   // To the next event; false where the photon ends.
   bool step() {
     const double cosine = std::max(std::abs(direction_.z), 1e-12);
-    const double area = medium_.flakes.projected_area(cosine);
+    const double area = medium_.projected_area.at(cosine);
     const double flake_rate = medium_.coverage * area;
     const double rate = flake_rate + medium_.rayleigh;
     const bool up = direction_.z > 0;
@@ -232,12 +205,13 @@ class Walker {
       const Vec3<double> sum = o - direction_;
       const double size = length(sum);
       if (!(size > 0)) return Rgb<double>{};
-      return medium_.reflectance(size / 2) * (medium_.flakes.density(sum / size) / (4 * area));
+      return flake_reflectance(medium_.paint, size / 2) *
+             (medium_.flakes.density(sum / size) / (4 * area));
     });
-    const Vec3<double> n = medium_.flakes.sample(direction_, random_);
+    const Vec3<double> n = medium_.flakes.sample_met(direction_, random_);
     const double cosine = dot(direction_, n);
-    const Rgb<double> mirrored = weight_ * medium_.reflectance(std::abs(cosine));
-    const Rgb<double> passed = weight_ * medium_.flake_transmission;
+    const Rgb<double> mirrored = weight_ * flake_reflectance(medium_.paint, std::abs(cosine));
+    const Rgb<double> passed = weight_ * medium_.paint.flake_transmission;
     tally_.absorbed = tally_.absorbed + (weight_ - mirrored - passed);
     // Either way at random, by the sum over the colours: that sum then stays the same.
     const double mirrored_sum = mirrored.x + mirrored.y + mirrored.z;
@@ -275,7 +249,7 @@ class Walker {
   const WalkScene& scene_;
   const std::vector<Detector>& detectors_;
   Tally tally_;
-  UniformRandom random_;
+  RandomStream random_;
   double depth_ = 0;
   Vec3<double> direction_{};
   Rgb<double> weight_{};
@@ -314,33 +288,24 @@ ByComponent by_component(const std::vector<Tally>& tallies, double scale, const 
   return all;
 }
 
-[[noreturn]] void reject(const std::string& field, const std::string& value,
-                         const std::string& range) {
-  throw std::invalid_argument(field + " is " + value + ", but must be " + range);
-}
-
 void require_above(const std::string& field, double z) {
-  if (!(z > 0)) reject(field + ".z", std::to_string(z), "above 0: above the surface");
+  if (!(z > 0)) reject(field + ".z", z, "above 0: above the surface");
 }
 
 }  // namespace
 
 void validate(const WalkScene& scene) {
   metallic_paint::validate(scene.paint);
-  const double albedo[3] = {scene.substrate.x, scene.substrate.y, scene.substrate.z};
-  for (int i = 0; i < 3; ++i) {
-    if (albedo[i] >= 0 && albedo[i] <= 1) continue;
-    reject(std::string("substrate.") + "rgb"[i], std::to_string(albedo[i]), "from 0 to 1");
-  }
-  validate_direction("light", 0, scene.light);
+  require_colour("substrate", scene.substrate, 1);
+  require_unit("light", scene.light);
   require_above("light", scene.light.z);
   if (scene.detectors.size() > kMostDetectors) {
     reject("number of detectors", std::to_string(scene.detectors.size()),
            "at most " + std::to_string(kMostDetectors));
   }
   for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
-    validate_direction("detectors", i, scene.detectors[i]);
-    require_above("detectors[" + std::to_string(i) + "]", scene.detectors[i].z);
+    require_unit(at_row("detectors", i), scene.detectors[i]);
+    require_above(at_row("detectors", i), scene.detectors[i].z);
   }
   if (scene.photons < 2 || scene.photons > 1'000'000'000'000) {
     reject("photons", std::to_string(scene.photons), "from 2 to 1e12");

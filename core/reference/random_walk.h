@@ -14,8 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "paint.h"
-#include "vector.h"
+#include "../paint.h"
 
 namespace metallic_paint::reference {
 

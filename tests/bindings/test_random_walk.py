@@ -48,12 +48,12 @@ def test_a_walk_repeats_itself() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"light": (0, 0, 2)}, r"length of light\[0\] is 2, but must be 1 to a thousandth"),
-        ({"light": (1, 0, 0)}, r"light.z is 0.0*, but must be above 0"),
+        ({"light": (0, 0, 2)}, r"length of light is 2, but must be 1 to a thousandth"),
+        ({"light": (1, 0, 0)}, r"light.z is 0, but must be above 0"),
         ({"light": (0, 1)}, r"light is \(0, 1\), but must be three numbers"),
-        ({"substrate": (0, 0, 1.5)}, r"substrate.b is 1.50*, but must be from 0 to 1"),
+        ({"substrate": (0, 0, 1.5)}, r"substrate.b is 1.5, but must be from 0 to 1"),
         ({"detectors": [0, 0, 1]}, r"detectors has the shape \(3,\), but must be \(n, 3\)"),
-        ({"detectors": [(0, 0, -1)]}, r"detectors\[0\].z is -1.0*, but must be above 0"),
+        ({"detectors": [(0, 0, -1)]}, r"detectors\[0\].z is -1, but must be above 0"),
         ({"photons": 1}, "photons is 1, but must be from 2 to 1e12"),
         ({"photons": -1}, "photons is -1, but must be a whole number from 2 to 1e12"),
         ({"photons": 1e6}, "photons is 1000000.0, but must be a whole number"),

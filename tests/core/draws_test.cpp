@@ -16,25 +16,6 @@ namespace {
 
 using namespace core_tests;
 
-constexpr double kLevel = 1e-3;
-
-// Sums over draws of a deviate, about a known centre.
-struct Moments {
-  double centre = 0, n = 0, first = 0, second = 0, third = 0, fourth = 0;
-  void add(double value) {
-    const double d = value - centre;
-    n += 1;
-    first += d;
-    second += d * d;
-    third += d * d * d;
-    fourth += d * d * d * d;
-  }
-  double mean() const { return centre + first / n; }
-  // About the known centre: unbiased.
-  double variance() const { return second / n; }
-  double fourth_moment() const { return fourth / n; }
-};
-
 struct Drawn {
   Moments count;
   std::array<Moments, 3> radiance;
@@ -109,8 +90,7 @@ void expect_closed_form(const TestScene& scene, int stream, double threshold, Wo
     const Moments& m = drawn.radiance[c];
     const double v = static_cast<double>(second[c]);
     z_test(names[c], m.mean(), static_cast<double>(means[c]), std::sqrt(v));
-    z_test(variances[c], m.variance(), v,
-           std::sqrt(std::max(m.fourth_moment() - m.variance() * m.variance(), 0.0)));
+    z_test(variances[c], m.variance(), v, m.error_of_variance() * root);
   }
   EXPECT_GE(drawn.least, 0) << scene;
   EXPECT_LE(drawn.largest, 1) << scene;
@@ -220,7 +200,7 @@ TEST(Draws, CeilingCostsLittleOfTheMeanWhereFlakesJustFit) {
       const int n = 50'000;
       const Drawn drawn = draw(scene, expected, n, static_cast<int>(places * 10));
       const double mean = mean_radiance(expected).x;
-      const double error = std::sqrt(drawn.radiance[0].variance() / n) / mean;
+      const double error = drawn.radiance[0].error_of_mean() / mean;
       (share <= 0.05 ? sparse : dense)
           .see(std::max(0.0, 1 - drawn.radiance[0].mean() / mean - 3 * error), "places", places,
                "<N>/places", share, "cut", drawn.at_ceiling);

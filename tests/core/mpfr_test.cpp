@@ -39,18 +39,33 @@ long double relative(double value, const mpreal& exact) {
 }
 
 // tanh-sinh quadrature with a step that leaves 1e-25 of what is integrated here.
+struct Node {
+  mpreal weight, gap;  // of an interval of half-width 1; from the nearer end, without cancellation
+  bool near_from;
+};
+const std::vector<Node>& nodes() {
+  static const std::vector<Node> all = [] {
+    std::vector<Node> made;
+    const mpreal step = mpreal(1) / 24;
+    for (int i = -105; i <= 105; ++i) {
+      const mpreal u = pi() / 2 * sinh(step * i);
+      const mpreal weight = step * pi() / 2 * cosh(step * i) / (cosh(u) * cosh(u));
+      made.push_back({weight, 2 / (1 + exp(2 * abs(u))), i < 0});
+    }
+    return made;
+  }();
+  return all;
+}
+
 mpreal integrate(const std::function<mpreal(const mpreal&)>& f, const mpreal& from,
                  const mpreal& to) {
-  const mpreal half = (to - from) / 2, step = mpreal(1) / 24;
+  const mpreal half = (to - from) / 2;
   mpreal sum = 0;
-  for (int i = -105; i <= 105; ++i) {
-    const mpreal u = pi() / 2 * sinh(step * i);
-    const mpreal weight = pi() / 2 * cosh(step * i) / (cosh(u) * cosh(u));
-    // Distance from the nearer end, without cancellation.
-    const mpreal gap = half * 2 / (1 + exp(2 * abs(u)));
-    sum += weight * f(i < 0 ? from + gap : to - gap);
+  for (const Node& node : nodes()) {
+    const mpreal gap = half * node.gap;
+    sum += node.weight * f(node.near_from ? from + gap : to - gap);
   }
-  return sum * step * half;
+  return sum * half;
 }
 
 mpreal integrate(const std::function<mpreal(const mpreal&)>& f, const std::vector<mpreal>& edges) {

@@ -19,7 +19,6 @@
 
 #include "independent.h"
 #include "quadrature.h"
-#include "reference/visible_flakes.h"
 #include "sparkles.h"
 #include "support.h"
 
@@ -33,14 +32,11 @@ using metallic_paint::Rgb;
 using metallic_paint::Vec3;
 using metallic_paint::reference::ByComponent;
 using metallic_paint::reference::Estimate;
-using metallic_paint::reference::UniformRandom;
-using metallic_paint::reference::VisibleFlakes;
 using metallic_paint::reference::WalkResult;
 using metallic_paint::reference::WalkScene;
 namespace walk_reference = metallic_paint::reference;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLevel = 0.001;
 
 // Standard errors come from `batches` means: Student's deviate for the normal one, to first order
 // in the degrees of freedom (Fisher's expansion).
@@ -98,88 +94,6 @@ double transmittance(double cosine, double eta) {
   const double angle = std::acos(std::min(cosine, 1.0));
   if (std::sin(angle) >= eta) return 0;
   return static_cast<double>(1 - independent::fresnel_reflectance(angle, eta));
-}
-
-// -------------------------------------------------------------------------------------------------
-// The flakes that a ray meets.
-
-TEST(VisibleFlakes, ProjectedAreaIsTheCores) {
-  Worst worst;
-  for (const auto kind : {Orientation::gaussian, Orientation::beckmann, Orientation::ggx}) {
-    for (const double tilt : {1e-6, 1e-3, 0.05, 0.15, 0.5, 1.0}) {
-      const VisibleFlakes flakes(kind, tilt);
-      const auto density = metallic_paint::make_orientation(kind, tilt);
-      for (double cosine = 1e-8; cosine < 1; cosine *= 1.03) {
-        const double area = metallic_paint::mean_projected_area(density, cosine);
-        worst.see(relative_error(flakes.projected_area(cosine), area), "kind",
-                  static_cast<int>(kind), "tilt", tilt, "cosine", cosine);
-      }
-    }
-  }
-  worst.expect_at_most(4e-6);  // what the header states
-}
-
-TEST(VisibleFlakes, SamplesFollowTheirDensity) {
-  constexpr int kRings = 12, kSectors = 8, kFine = 24;
-  constexpr double kSamples = 40'000;
-  Worst worst;
-  int tests = 0;
-  for (int kind = 0; kind < 3; ++kind) {
-    for (const double tilt : {0.02, 0.15, 0.5, 1.0}) {
-      const VisibleFlakes flakes(static_cast<Orientation>(kind), tilt);
-      const independent::Flakes shape{kind, tilt};
-      const auto norm = static_cast<double>(independent::shape_norm(shape));
-      for (const double degrees : {0.0, 40.0, 75.0, 89.0}) {
-        const Vec3<double> v = direction(degrees) * (tests % 2 == 0 ? 1.0 : -1.0);
-        // Rings even in atan(tan(beta)/tilt), sectors of azimuth, mirrored: cells of the integral
-        // of P sin(beta) |v . n| by the midpoint rule.
-        std::vector<double> expected(kRings * kSectors), found(kRings * kSectors);
-        double total = 0;
-        for (int i = 0; i < kRings * kFine; ++i) {
-          const double step = kPi / 2 / (kRings * kFine), psi = (i + 0.5) * step;
-          const double beta = std::atan(tilt * std::tan(psi));
-          const double c = std::cos(psi), s = tilt * std::sin(psi);
-          const double ring = static_cast<double>(independent::shape(shape, beta)) / norm *
-                              std::sin(beta) * tilt / (c * c + s * s) * step;
-          for (int j = 0; j < kSectors * kFine; ++j) {
-            const double phi = (j + 0.5) * kPi / (kSectors * kFine);
-            const Vec3<double> n = direction(beta * 180 / kPi, phi);
-            const double cell = ring * std::abs(dot(v, n));
-            expected[static_cast<std::size_t>(i / kFine * kSectors + j / kFine)] += cell;
-            total += cell;
-          }
-        }
-        UniformRandom random(20, static_cast<std::uint64_t>(tests));
-        for (int i = 0; i < static_cast<int>(kSamples); ++i) {
-          Vec3<double> n = flakes.sample(v, random);
-          if (n.z < 0) n = n * -1.0;
-          const double tan_beta = std::hypot(n.x, n.y) / n.z;
-          const double psi = std::atan(tan_beta / tilt), phi = std::abs(std::atan2(n.y, n.x));
-          const int ring = std::min(static_cast<int>(psi / (kPi / 2) * kRings), kRings - 1);
-          const int sector = std::min(static_cast<int>(phi / kPi * kSectors), kSectors - 1);
-          ++found[static_cast<std::size_t>(ring * kSectors + sector)];
-        }
-        // Cells of fewer than 10 expected samples are one.
-        double chi = 0, cells = 0, rare = 0, rare_found = 0;
-        for (std::size_t i = 0; i < expected.size(); ++i) {
-          const double e = expected[i] / total * kSamples;
-          if (e < 10) {
-            rare += e, rare_found += found[i];
-            continue;
-          }
-          chi += (found[i] - e) * (found[i] - e) / e;
-          ++cells;
-        }
-        if (rare >= 10) {
-          chi += (rare_found - rare) * (rare_found - rare) / rare;
-          ++cells;
-        }
-        worst.see(chi_square_z(chi, cells - 1), "kind", kind, "tilt", tilt, "degrees", degrees);
-        ++tests;
-      }
-    }
-  }
-  worst.expect_at_most(sidak_threshold(kLevel, tests));
 }
 
 // -------------------------------------------------------------------------------------------------

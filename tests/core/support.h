@@ -6,13 +6,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <random>
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace core_tests {
 
@@ -78,6 +81,17 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+// Of a statistical test as a whole, all its comparisons together.
+inline constexpr double kLevel = 1e-3;
+
+// The address sanitizer makes code several times as slow: what is repeated over many random scenes
+// is repeated this much less often under it. It looks for bad accesses, not for statistics.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr int kFewer = 10;
+#else
+inline constexpr int kFewer = 1;
+#endif
+
 // |z| that `tests` independent standard normal deviates all stay under with probability 1 - level
 // (Sidak's correction).
 inline double sidak_threshold(double level, double tests) {
@@ -91,10 +105,54 @@ inline double sidak_threshold(double level, double tests) {
 }
 
 // A chi-square statistic as a standard normal deviate (Wilson and Hilferty 1931; good to a few
-// per cent of the tail probability from 15 degrees of freedom on).
+// per cent of the tail probability from 15 degrees of freedom on, below them too large a tail).
 inline double chi_square_z(double chi_square, double degrees) {
   const double spread = 2 / (9 * degrees);
   return (std::cbrt(chi_square / degrees) - (1 - spread)) / std::sqrt(spread);
 }
+
+// Likewise Pearson's statistic of counts, neighbouring cells pooled until each expects `least`.
+inline double chi_square_z(const std::vector<double>& found, const std::vector<double>& expected,
+                           double least = 5) {
+  struct Cell {
+    double found = 0, expected = 0;
+  };
+  std::vector<Cell> cells(1);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (cells.back().expected >= least) cells.emplace_back();
+    cells.back().found += found[i];
+    cells.back().expected += expected[i];
+  }
+  if (cells.size() > 1 && cells.back().expected < least) {
+    const Cell rest = cells.back();
+    cells.pop_back();
+    cells.back().found += rest.found;
+    cells.back().expected += rest.expected;
+  }
+  if (cells.size() < 2) return 0;
+  double sum = 0;
+  for (const Cell& cell : cells) {
+    sum += (cell.found - cell.expected) * (cell.found - cell.expected) / cell.expected;
+  }
+  return chi_square_z(sum, static_cast<double>(cells.size() - 1));
+}
+
+// Sums of a deviate's powers about its known mean.
+struct Moments {
+  double centre = 0, n = 0, first = 0, second = 0, fourth = 0;
+  void add(double value) {
+    const double d = value - centre;
+    n += 1;
+    first += d;
+    second += d * d;
+    fourth += d * d * d * d;
+  }
+  double mean() const { return centre + first / n; }
+  double variance() const { return second / n; }  // unbiased
+  double error_of_mean() const { return std::sqrt(variance() / n); }
+  double error_of_variance() const {
+    return std::sqrt(std::max(fourth / n - variance() * variance(), 0.0) / n);
+  }
+};
 
 }  // namespace core_tests

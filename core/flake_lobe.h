@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The flakes under light that is no sparkling one (world, area lights, neighbours): their mean, as
+// one random flake for each sample of a renderer, whose mirror direction is followed.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sparkles.h"
+
+namespace metallic_paint {
+
+template <class T>
+struct MirroredSample {
+  Vec3<T> direction;  // outside, unit, away from the surface
+  Rgb<T> weight{};    // what it shows of the radiance from there; 0 if it shows nothing
+};
+
+// A flake's normal m drawn from p, so the direction outside has the density q = p/(4 |v . m|)
+// cos(theta')/(eta^2 cos(theta'_p)) (mirror law, then refraction), and
+//   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r').
+// u, w: uniform deviates in (0, 1).
+template <class T>
+MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w) {
+  MirroredSample<T> sample{normal};
+  const T eta = layer.eta;
+  const T cos_view = std::min(dot(normal, view), T(1));
+  if (!(cos_view > 0)) return sample;
+  const T g_view = eta_cos_refracted(cos_view, eta);
+  if (!(g_view > 0)) return sample;
+  const Vec3<T> v = (view + normal * (g_view - cos_view)) / eta;
+
+  const SampledTilt<T> tilt = sample_tilt(layer.orientation, u);
+  const T h = tilt.sin2_half_beta;
+  const T sin_beta = 2 * std::sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
+  // Any two directions across the normal.
+  Vec3<T> across = std::abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
+  across = across - normal * dot(normal, across);
+  across = across / length(across);
+  const Vec3<T> other{normal.y * across.z - normal.z * across.y,
+                      normal.z * across.x - normal.x * across.z,
+                      normal.x * across.y - normal.y * across.x};
+  const Vec3<T> m = normal * (1 - 2 * h) + across * (sin_beta * std::cos(phi)) +
+                    other * (sin_beta * std::sin(phi));
+
+  const T facing = dot(m, v);
+  const Vec3<T> l = m * (2 * facing) - v;
+  const T along = dot(l, normal);
+  if (!(along > 0)) return sample;  // deeper into the layer
+  const Vec3<T> tangent = (l - normal * along) * eta;
+  const T cos2_light = 1 - dot(tangent, tangent);
+  if (!(cos2_light > 0)) return sample;  // total reflection
+  const T cos_light = std::sqrt(cos2_light), g_light = eta * along;
+  sample.direction = tangent + normal * cos_light;
+
+  const T cos_alpha = std::min(std::abs(facing), T(1));
+  const T cos_view_in = std::min(g_view / eta, T(1)), cos_light_in = std::min(along, T(1));
+  const Rgb<T> slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  const T exit = layer.radiometry == Radiometry::published ? cos_view : cos_view_in;
+  const T scale = layer.coverage * tilt.weight * cos_alpha / exit *
+                  fresnel_transmittance(cos_view, g_view, eta) *
+                  fresnel_transmittance(cos_light, g_light, eta);
+  sample.weight = coating_reflectance(layer.coating, cos_alpha) *
+                  map(slant, [](T x) { return mean_transmittance(x); }) * scale;
+  return sample;
+}
+
+}  // namespace metallic_paint

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The optics that the references share; of the core they take parameters and vectors only.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "../paint.h"
+
+namespace metallic_paint::reference {
+
+// ---------------------------------------------------------------------------------------------
+// The surface of the binder. eta: of the far side relative to the near side.
+
+// From sin^2 + cos^2 = 1 and Snell, eta^2 cos^2(t) = (eta^2 - 1) + cos^2(i); 0 under total
+// reflection and from behind.
+inline double refracted_cosine(double cos_i, double eta) {
+  const double square = (eta - 1) * (eta + 1) + cos_i * cos_i;
+  return cos_i > 0 && square > 0 ? std::min(std::sqrt(square) / eta, 1.0) : 0;
+}
+
+// The horizontal part of a direction shrinks by eta (Snell); 0 where the cosine is.
+inline Vec3<double> refracted(Vec3<double> d, double eta) {
+  const double cosine = refracted_cosine(d.z, eta);
+  return cosine > 0 ? Vec3<double>{d.x / eta, d.y / eta, cosine} : Vec3<double>{};
+}
+
+// Fresnel's reflectance for unpolarised light.
+inline double fresnel_reflectance(double cos_i, double cos_t, double eta) {
+  if (cos_t <= 0) return 1;
+  const double s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+  const double p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  return (s * s + p * p) / 2;
+}
+
+// ---------------------------------------------------------------------------------------------
+// The layer, by its optical depths straight down.
+
+// E[max(0, 1 + s w)] = Phi(1/s) + s phi(1/s), w a standard normal deviate.
+inline double mean_relative_area(double s) {
+  if (s == 0) return 1;
+  return std::erfc(-1 / (s * std::numbers::sqrt2)) / 2 +
+         s * std::exp(-0.5 / (s * s)) / std::sqrt(2 * std::numbers::pi);
+}
+
+// D H <S>
+inline double flake_coverage(const Paint& paint) {
+  const double diameter_mm = paint.flake_diameter_um * 1e-3;
+  return paint.flakes_per_mm2 * (std::numbers::pi / 4 * diameter_mm * diameter_mm) *
+         mean_relative_area(paint.flake_area_spread);
+}
+
+// (16 pi/3) c1 H
+inline double rayleigh_depth(const Paint& paint) {
+  return 16 * std::numbers::pi / 3 * paint.rayleigh_per_mm * (paint.layer_thickness_um * 1e-3);
+}
+
+// kappa H
+inline Rgb<double> absorption_depth(const Paint& paint) {
+  return paint.binder_absorption_per_mm * (paint.layer_thickness_um * 1e-3);
+}
+
+// Schlick.
+inline Rgb<double> flake_reflectance(const Paint& paint, double cos_alpha) {
+  const double x = std::max(1 - cos_alpha, 0.0);
+  return paint.flake_color + (paint.flake_edge_color - paint.flake_color) * (x * x * x * x * x);
+}
+
+// ---------------------------------------------------------------------------------------------
+
+// Two unit vectors that stand on a unit vector and on each other.
+struct Frame {
+  Vec3<double> a, b;
+};
+inline Frame frame_of(Vec3<double> n) {
+  const Vec3<double> side =
+      std::abs(n.z) < 0.7 ? Vec3<double>{-n.y, n.x, 0} : Vec3<double>{0, -n.z, n.y};
+  const Vec3<double> a = side / length(side);
+  return {a, {n.y * a.z - n.z * a.y, n.z * a.x - n.x * a.z, n.x * a.y - n.y * a.x}};
+}
+
+}  // namespace metallic_paint::reference

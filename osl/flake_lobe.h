@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The flakes under light that is no sparkling one: one random flake for each sample, whose mirror direction is followed.
+// See core/flake_lobe.h for the weight.
+#pragma once
+
+#include "sparkles.h"
+
+struct MirroredSample {
+  vector direction;
+  color weight;
+};
+
+MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_tilt,
+                            float uniform_azimuth)
+{
+  MirroredSample mirrored;
+  mirrored.direction = n;
+  mirrored.weight = color(0.0);
+  float eta = layer.eta;
+  float cos_view = min(inner_product(n, view), 1.0);
+  if (!(cos_view > 0.0))
+    return mirrored;
+  float g_view = eta_cos_refracted(cos_view, eta);
+  if (!(g_view > 0.0))
+    return mirrored;
+  vector inside = (view + n * (g_view - cos_view)) / eta;
+
+  SampledTilt tilt = sample_tilt(layer.orientation, uniform_tilt);
+  float h = tilt.sin2_half_beta;
+  float sin_beta = 2.0 * sqrt(h * (1.0 - h));
+  float phi = M_2PI * uniform_azimuth;
+  vector across = vector(0.0, 1.0, 0.0);
+  if (fabs(n[0]) < 0.6)
+    across = vector(1.0, 0.0, 0.0);
+  across = across - n * inner_product(n, across);
+  across = across / sqrt(inner_product(across, across));
+  vector other = cross(n, across);
+  vector m = n * (1.0 - 2.0 * h) + across * (sin_beta * cos(phi)) + other * (sin_beta * sin(phi));
+
+  float facing = inner_product(m, inside);
+  vector l = m * (2.0 * facing) - inside;
+  float along = inner_product(l, n);
+  if (!(along > 0.0))
+    return mirrored;
+  vector tangent = (l - n * along) * eta;
+  float cos2_light = 1.0 - inner_product(tangent, tangent);
+  if (!(cos2_light > 0.0))
+    return mirrored;
+  float cos_light = sqrt(cos2_light);
+  float g_light = eta * along;
+  mirrored.direction = tangent + n * cos_light;
+
+  float cos_alpha = min(fabs(facing), 1.0);
+  float cos_view_in = min(g_view / eta, 1.0);
+  color slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, min(along, 1.0));
+  float exit = cos_view_in;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    exit = cos_view;
+  float scale = layer.coverage * tilt.weight * cos_alpha / exit *
+                fresnel_transmittance(cos_view, g_view, eta) *
+                fresnel_transmittance(cos_light, g_light, eta);
+  mirrored.weight = coating_reflectance(layer.coating, cos_alpha) * mean_transmittance(slant) * scale;
+  return mirrored;
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One random flake for each sample has the mean of the flakes' BRDF.
+#include "flake_lobe.h"
+
+#include <array>
+#include <cmath>
+
+#include "scenes.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+
+constexpr double kLevel = 1e-3;  // of each test as a whole
+
+// <|m . v| over the half sphere of normals>: the tilts drawn, weighted, are P's.
+TEST(FlakeLobe, SampledTiltsHaveTheMomentsOfP) {
+  Worst worst;
+  for (int kind = 0; kind < 3; ++kind) {
+    for (double tilt : {0.01, 0.15, 0.49, 0.51, 1.0, 100.0}) {
+      if (kind > 0 && tilt > 1) continue;
+      const auto density = make_orientation<double>(static_cast<Orientation>(kind), tilt);
+      // The mean over u of weight and of weight cos(beta), by the rectangle rule.
+      constexpr int n = 400'000;
+      double one = 0, cosine = 0;
+      for (int i = 0; i < n; ++i) {
+        const auto sampled = sample_tilt(density, (i + 0.5) / n);
+        one += sampled.weight / n;
+        cosine += sampled.weight * (1 - 2 * sampled.sin2_half_beta) / n;
+      }
+      worst.see(std::fabs(one - 1), "kind", kind, "tilt", tilt, "norm");
+      worst.see(std::fabs(cosine / density.mean_cos - 1), "kind", kind, "tilt", tilt, "mean");
+    }
+  }
+  worst.expect_at_most(1e-4);  // the rule's error at Beckmann's tail
+}
+
+// Sums over caps of directions against the BRDF's integral over them.
+template <class T>
+void expect_brdf(int first_seed) {
+  Random random(static_cast<std::uint64_t>(first_seed));
+  Worst worst;
+  constexpr int kScenes = 24, kSamples = 60'000, kCaps = 3;
+  const double threshold = sidak_threshold(kLevel, kScenes * (kCaps + 1));
+  for (int k = 0; k < kScenes; ++k) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    scene.paint.radiometry = static_cast<Radiometry>(k % 2);
+    aim(scene, random, 2);
+    const auto layer = scene.layer<double>();
+    // Rings about the mirror direction, and everything.
+    const Vec3<double> mirror = scene.normal * (2 * dot(scene.normal, scene.view)) - scene.view;
+    const std::array<double, kCaps + 2> edges{1, 0.97, 0.85, 0.5, -1};
+    std::array<double, kCaps + 1> sum{}, square{};
+    const auto sampled_layer = scene.layer<T>();
+    for (int i = 0; i < kSamples; ++i) {
+      const auto sample = sample_flake<T>(sampled_layer, Vec3<T>(scene.normal), Vec3<T>(scene.view),
+                                          static_cast<T>(random.uniform(1e-9, 1)),
+                                          static_cast<T>(random.uniform()));
+      const double c = dot(Vec3<double>(sample.direction), mirror);
+      for (std::size_t cap = 0; cap + 1 < edges.size(); ++cap) {
+        if (c > edges[cap] || c <= edges[cap + 1]) continue;
+        const auto weight = static_cast<double>(sample.weight.y);
+        sum[cap] += weight / kSamples;
+        square[cap] += weight * weight / kSamples;
+      }
+    }
+    // The integral over the half sphere by the midpoint rule, 400 x 400.
+    std::array<double, kCaps + 1> exact{};
+    constexpr int n = 500;
+    for (int a = 0; a < n; ++a) {
+      const double cosine = std::sqrt((a + 0.5) / n), sine = std::sqrt(1 - cosine * cosine);
+      for (int b = 0; b < n; ++b) {
+        const double phi = 2 * std::numbers::pi * (b + 0.5) / n;
+        const Vec3<double> light = turned({sine * std::cos(phi), sine * std::sin(phi), cosine});
+        const double f = flake_brdf(layer, scene.normal, scene.view, light).y;
+        const double c = dot(light, mirror);
+        for (std::size_t cap = 0; cap + 1 < edges.size(); ++cap) {
+          // cos d omega = pi d(cos^2) d phi/2 pi
+          if (c <= edges[cap] && c > edges[cap + 1]) exact[cap] += f * std::numbers::pi / (n * n);
+        }
+      }
+    }
+    for (std::size_t cap = 0; cap < exact.size(); ++cap) {
+      // Rule and sampling: 2e-3 for the rule (the ring's ragged edge in 500 x 500 cells).
+      const double error =
+          std::sqrt((square[cap] - sum[cap] * sum[cap]) / kSamples) + 2e-3 * exact[cap] / threshold;
+      if (square[cap] * kSamples < 30 * sum[cap] * sum[cap] || exact[cap] < 1e-3) continue;
+      worst.see(std::fabs(sum[cap] - exact[cap]) / error, "ring", cap, "sampled", sum[cap], "exact",
+                exact[cap], scene);
+    }
+  }
+  worst.expect_at_most(threshold);
+}
+
+TEST(FlakeLobe, SamplesHaveTheMeanOfTheBrdfInDouble) { expect_brdf<double>(80); }
+TEST(FlakeLobe, SamplesHaveTheMeanOfTheBrdfInFloat) { expect_brdf<float>(81); }
+
+}  // namespace
