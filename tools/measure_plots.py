@@ -92,7 +92,7 @@ def _picture(axes: Axes, light: int, sparkle: Sparkle) -> None:
         f"lamp at {light}°: area {100 * sparkle.area.value:.3g} %, "
         f"intensity {sparkle.intensity.value:,.0f}"
     )
-    axes.set_xlabel(f"{CROP * PIXEL * 1e3:g} mm; white is {WHITE} × the median")
+    axes.set_xlabel(f"{len(crop) * PIXEL * 1e3:.2g} mm; white is {WHITE} × the median")
     _bare(axes)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import bars
 import numpy as np
-from processes import ROOT, say
+from processes import ROOT, StepFailedError, run_program, say
 from report_folder import MEASURE, REPORT
 
 sys.path.insert(0, str(ROOT / "addon"))
@@ -25,16 +25,17 @@ from metallic_paint.paint import Paint
 from sparkle_camera import LIGHTS, Sparkle
 
 PHOTONS = 800_000  # L* to 0.1 at every angle of the presets
+PICTURE_SIDE = 256  # pixels of each batch
 TRACED_PIXELS = 2048  # graininess to 2 %
 COLOURS = ("L*", "a*", "b*")
 
 APPROXIMATIONS = f"""\
-- **L\\*, a\\*, b\\***: light at 45°, detectors in its plane (ASTM E2194). The angle is aspecular: from
-  the mirror direction towards the normal. Photons walk through the whole paint; the mirror image of
-  the lamp in the surface is left out, and with it the coat's roughness. Beams are parallel and
-  detectors points, where an instrument has apertures of some degrees. Three colour channels stand
-  for the spectrum: D65, 2° observer. A perfect diffuser has L\\* 100, so near the mirror direction a
-  metallic paint has more.
+- **L\\*, a\\*, b\\***: light at 45°, detectors in its plane (ASTM E2194). The angle is aspecular:
+  from the mirror direction towards the normal. Photons walk through the whole paint; the mirror
+  image of the lamp in the surface is left out, and with it the coat's roughness. Beams are parallel
+  and detectors points, where an instrument has apertures of some degrees. Three colour channels
+  stand for the spectrum: D65, 2° observer. A perfect diffuser has L\\* 100, so near the mirror
+  direction a metallic paint has more.
 - **Flop index**: 2.69 (L\\*15 − L\\*110)^1.11 / L\\*45^0.86, after D. H. Alman (DuPont, 1987), as
   multi-angle instruments have it: 0 for a solid colour, about 15 for a paint of much flop.
 - **Sparkle** is our approximation, since what instruments compute from their pictures is not
@@ -47,8 +48,8 @@ APPROXIMATIONS = f"""\
   instrument's grades.
 - **Graininess** likewise: the standard deviation of the luminance over its mean under an even dome,
   in squares of {sparkle_camera.GRAIN * 1e6:.0f} µm, one minute of arc at half a metre. The flakes
-  are traced as discs that hide each other; the substrate and light scattered more than once count
-  as even.
+  are traced as discs that hide each other, each counted in the square of its centre; the substrate
+  and light scattered more than once count as even.
 - ± is one standard error, from leaving out one of {BATCHES} independent batches at a time.
 """
 
@@ -113,12 +114,12 @@ def counted(what: str, steps: Iterable[np.ndarray]) -> np.ndarray:
 
 def measure(paint: Paint, quick: bool) -> Measurement:
     share = 10 if quick else 1
-    photons = PHOTONS // share
+    photons, side = PHOTONS // share, round(PICTURE_SIDE / math.sqrt(share))
     batches = counted("Goniophotometer", goniophotometer.aspecular_walks(paint, photons))
     say("Camera…")
     even = sparkle_camera.normal_walk(paint, photons // 4)
     sparkles = {
-        light: sparkle_camera.sparkle(paint, math.radians(light), even.under_lamps[:, i])
+        light: sparkle_camera.sparkle(paint, math.radians(light), even.under_lamps[:, i], side)
         for i, light in enumerate(LIGHTS)
     }
     grain = sparkle_camera.graininess(paint, even.under_dome, TRACED_PIXELS // share)
@@ -172,7 +173,10 @@ def main() -> int:
     arguments = parser.parse_args()
 
     name = Path(arguments.preset).stem
-    found = measure(presets.load(arguments.preset), arguments.quick)
+    try:
+        found = measure(presets.load(arguments.preset), arguments.quick)
+    except ValueError as error:  # a paint beyond what the references trace
+        raise StepFailedError(f"{name}: {error}") from error
     figures = {figure.name: figure for figure in found.figures()}
     with MEASURE.fill(arguments.out) as folder:
         measure_plots.draw(name, found, folder / MEASURE.pictures[0])
@@ -187,4 +191,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    run_program(main)

@@ -2,10 +2,10 @@
 """A virtual camera over the paint, as effect instruments have one: sparkle and graininess.
 
 Published of those instruments: the camera looks along the normal; for sparkle, lamps shine from
-15°, 45° and 75°; for graininess, a white dome lights evenly. Terms as in ASTM E284: sparkle area
-is the share of the picture in spots strikingly brighter than their surroundings, sparkle intensity
-the contrast of the spots. How a maker turns them into grades is not published; the numbers here
-are physical and compare paints with each other, not with an instrument's display.
+15°, 45° and 75°; for graininess, a white dome lights evenly. Sparkle area is the share of the
+picture in spots strikingly brighter than their surroundings, sparkle intensity the spots' contrast
+(so Burgos-Fernández et al., Coatings 10:320, 2020). How a maker turns pictures into grades is not
+published; the numbers here are physical, to compare paints with each other.
 
 Assumed: ideal lens (pixels without blur); the lamp's size, the pixel and the threshold below.
 """
@@ -24,7 +24,6 @@ from metallic_paint.paint import Paint, core_paint
 LIGHTS = (15, 45, 75)  # degrees from the normal
 LAMP_RADIUS = math.radians(1)  # assumed
 PIXEL = 40e-6  # m, assumed: about the size of the flakes
-SIDE = 256  # pixels of a batch's picture
 CONTRAST = 1.0  # a sparkle is at least so much brighter than the background, relative to it: ours
 # What the eye resolves: one minute of arc at 0.5 m.
 GRAIN = 0.5 * math.radians(1 / 60)
@@ -35,7 +34,7 @@ DOME = 2 * math.pi  # sr
 class Sparkle:
     area: Measured  # share of the picture
     intensity: Measured  # mean contrast of the sparkles; NaN without any, or on black
-    picture: np.ndarray  # (SIDE, SIDE, 3), reflectance factors
+    picture: np.ndarray  # (side, side, 3), reflectance factors
 
 
 @dataclass(frozen=True)
@@ -54,24 +53,24 @@ def normal_walk(paint: Paint, photons: int) -> NormalWalk:
     return NormalWalk(np.array(under_lamps), np.array(under_dome))
 
 
-def sparkle_pictures(paint: Paint, light: float) -> Iterator[np.ndarray]:
-    """Reflectance factors of the flakes in each pixel, (SIDE, SIDE, 3), batch by batch."""
-    n = SIDE * SIDE
+def sparkle_pictures(paint: Paint, light: float, side: int) -> Iterator[np.ndarray]:
+    """Reflectance factors of the flakes in each pixel, (side, side, 3), batch by batch."""
+    n = side * side
     up = np.tile(direction(0), (n, 1))
     lamp = core.Light(core.LightKind.parallel, direction(light), math.sin(LAMP_RADIUS))
-    rows, columns = np.divmod(np.arange(n), SIDE)
+    rows, columns = np.divmod(np.arange(n), side)
     for batch in range(BATCHES):
         drawn = core.evaluate(
             core_paint(paint), [lamp], position=np.zeros((n, 3)), normal=up, view=up,
-            footprint=np.full(n, PIXEL**2), pixel=np.stack([columns + SIDE * batch, rows], axis=1),
+            footprint=np.full(n, PIXEL**2), pixel=np.stack([columns + side * batch, rows], axis=1),
         )["radiance"]  # fmt: skip
         # A perfect diffuser under the lamp has the radiance cos(light)/pi.
-        yield (np.pi / math.cos(light) * drawn).reshape(SIDE, SIDE, 3)
+        yield (np.pi / math.cos(light) * drawn).reshape(side, side, 3)
 
 
-def sparkle(paint: Paint, light: float, background: np.ndarray) -> Sparkle:
-    """background: (batches, 3), what the picture shows besides the flakes."""
-    pictures = list(sparkle_pictures(paint, light))
+def sparkle(paint: Paint, light: float, background: np.ndarray, side: int) -> Sparkle:
+    """background: (batches, 3), what the pictures, of side² pixels, show besides the flakes."""
+    pictures = list(sparkle_pictures(paint, light, side))
     flakes = np.array([picture @ LUMINANCE for picture in pictures])
     even = background @ LUMINANCE
 
@@ -89,22 +88,28 @@ def sparkle(paint: Paint, light: float, background: np.ndarray) -> Sparkle:
     return Sparkle(area, intensity, pictures[0] + background.mean(axis=0))
 
 
+def dome_luminance(paint: Paint, pixels: int, shadowing: str = "discs") -> np.ndarray:
+    """Of the flakes in squares of side GRAIN under a dome of luminance 1, (batches, squares).
+
+    The flakes are traced one by one (core/reference/explicit_flakes.h), the lamp being the dome.
+    """
+    traced = core_paint(paint, flake_spread=0)  # under an even dome the spread changes nothing
+    up = direction(0)
+    batches = (
+        core.explicit_flakes(
+            traced, up, up, math.pi / 2, GRAIN**2, pixels // BATCHES, shadowing=shadowing, seed=seed
+        )
+        for seed in range(BATCHES)
+    )
+    return np.array([batch["radiance"] @ (DOME * LUMINANCE) for batch in batches])
+
+
 def graininess(paint: Paint, background: np.ndarray, pixels: int) -> Measured:
     """Standard deviation of the luminance under the dome over its mean, at the eye's resolution.
 
-    The flakes are traced one by one as discs that hide each other (core/reference/
-    explicit_flakes.h), the lamp being the whole dome; background: (batches, 3), even.
+    background: (batches, 3), what is seen besides single flakes.
     """
-    traced = core_paint(paint, flake_spread=0)  # under an even dome the spread changes nothing
-    luminance = np.array(
-        [
-            core.explicit_flakes(
-                traced, direction(0), direction(0), math.pi / 2, GRAIN**2, pixels // BATCHES,
-                seed=seed,
-            )["radiance"] @ (DOME * LUMINANCE)
-            for seed in range(BATCHES)
-        ]
-    )  # fmt: skip
+    luminance = dome_luminance(paint, pixels)
     even = background @ LUMINANCE
 
     def relative_deviation(kept: np.ndarray) -> np.ndarray:
