@@ -168,7 +168,7 @@ def _install_bindings(environment: Environment) -> None:
     digest = _digest(_wheel_sources(), [environment.installed.read_text()])
     if _is_current(stamp, digest):
         return
-    say(f"Building the bindings for {environment.contents}…")
+    say(f"Building the bindings in {environment.folder.name}…")
     wheels = BUILD / f"wheels-{environment.name}"
     shutil.rmtree(wheels, ignore_errors=True)
     pip = [environment.python, "-m", "pip"]

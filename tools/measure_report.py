@@ -115,14 +115,16 @@ def counted(what: str, steps: Iterable[np.ndarray]) -> np.ndarray:
 def measure(paint: Paint, quick: bool) -> Measurement:
     share = 10 if quick else 1
     photons, side = PHOTONS // share, round(PICTURE_SIDE / math.sqrt(share))
+    say("Camera under the dome…")
+    dome = sparkle_camera.dome_luminance(paint, TRACED_PIXELS // share)
     batches = counted("Goniophotometer", goniophotometer.aspecular_walks(paint, photons))
-    say("Camera…")
+    say("Camera under the lamps…")
     even = sparkle_camera.normal_walk(paint, photons // 4)
     sparkles = {
         light: sparkle_camera.sparkle(paint, math.radians(light), even.under_lamps[:, i], side)
         for i, light in enumerate(LIGHTS)
     }
-    grain = sparkle_camera.graininess(paint, even.under_dome, TRACED_PIXELS // share)
+    grain = sparkle_camera.graininess(dome, even.under_dome)
     return Measurement(goniophotometer.goniogram(batches), sparkles, grain)
 
 

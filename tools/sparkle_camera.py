@@ -104,16 +104,15 @@ def dome_luminance(paint: Paint, pixels: int, shadowing: str = "discs") -> np.nd
     return np.array([batch["radiance"] @ (DOME * LUMINANCE) for batch in batches])
 
 
-def graininess(paint: Paint, background: np.ndarray, pixels: int) -> Measured:
+def graininess(flakes: np.ndarray, background: np.ndarray) -> Measured:
     """Standard deviation of the luminance under the dome over its mean, at the eye's resolution.
 
-    background: (batches, 3), what is seen besides single flakes.
+    flakes: from dome_luminance; background: (batches, 3), what is seen besides single flakes.
     """
-    luminance = dome_luminance(paint, pixels)
     even = background @ LUMINANCE
 
     def relative_deviation(kept: np.ndarray) -> np.ndarray:
-        mean = luminance[kept].mean() + even[kept].mean()
-        return np.array(luminance[kept].std() / mean if mean > 0 else math.nan)
+        mean = flakes[kept].mean() + even[kept].mean()
+        return np.array(flakes[kept].std() / mean if mean > 0 else math.nan)
 
     return jackknife(BATCHES, relative_deviation)

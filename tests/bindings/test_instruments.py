@@ -110,8 +110,9 @@ def test_what_does_not_sparkle_has_no_intensity_and_what_is_black_no_grain() -> 
     found = sparkle_camera.sparkle(NO_FLAKES, 0.3, black + 0.1, 16)
     assert found.area.value == found.area.error == 0
     assert math.isnan(found.intensity.value)
-    assert sparkle_camera.graininess(NO_FLAKES, black + 0.1, 64).value == 0
-    assert math.isnan(sparkle_camera.graininess(NO_FLAKES, black, 64).value)
+    even = sparkle_camera.dome_luminance(NO_FLAKES, 64)
+    assert sparkle_camera.graininess(even, black + 0.1).value == 0
+    assert math.isnan(sparkle_camera.graininess(even, black).value)
 
 
 def test_flakes_under_a_dome_are_as_bright_as_the_walk_says() -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -42,7 +43,9 @@ def test_a_report_holds_every_number_with_its_error(tmp_path: Path) -> None:
     values = {figure["name"]: figure["value"] for figure in figures}
     assert 10 < values["flop index"] < 17
     assert values["L* at 15°"] > values["L* at 45°"] > values["L* at 110°"]
-    assert f"{values['flop index']:.1f}" in done.stdout
+    printed = re.search(r"Flop index: (\S+) ± (\S+)", done.stdout)
+    assert printed is not None
+    assert float(printed[1]) == pytest.approx(values["flop index"], abs=float(printed[2]))
     assert str(out / REPORT) in done.stdout
 
 
