@@ -20,6 +20,7 @@ from metallic_paint.paint import Paint, core_paint
 BATCHES = 16
 LIGHT = math.radians(45)
 CURVE = tuple(range(-40, 131, 5))  # aspecular, degrees
+BLACK = 0.01  # L*: no instrument shows less
 ANGLES = (-15, 15, 25, 45, 75, 110)  # of multi-angle instruments
 
 # Linear sRGB to CIE XYZ (IEC 61966-2-1); its white, each row's sum, is D65 for the 2° observer.
@@ -86,7 +87,7 @@ def flop_index(l15: float, l45: float, l110: float) -> float:
     difference = max(l15 - l110, 0.0)
     if difference == 0:
         return 0.0
-    return 2.69 * difference**1.11 / l45**0.86 if l45 > 0 else math.nan
+    return 2.69 * difference**1.11 / l45**0.86 if l45 > BLACK else math.nan
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ STYLE = {
     "font.size": 9, "axes.titlesize": 10, "axes.grid": True, "grid.color": "#e4e4e4",
     "axes.axisbelow": True, "savefig.facecolor": "white", "legend.frameon": False,
 }  # fmt: skip
-CROP = 125  # pixels along a side: 5 mm
+CROP = 64  # pixels along a side
 WHITE = 10  # what a picture shows as white, in medians
 
 
@@ -35,7 +35,8 @@ def draw(name: str, found: Measurement, file: Path) -> None:
         left, right = upper.subplots(1, 2)
         flop = found.goniogram.flop_index
         _lightness(left, found.goniogram)
-        left.set_title(f"{name}: flop index {flop.value:.1f}", loc="left", fontweight="bold")
+        index = f": flop index {flop.value:.1f}" if np.isfinite(flop.value) else ""
+        left.set_title(f"{name}{index}", loc="left", fontweight="bold")
         _reflectance(right, found.goniogram)
         _colours(strip.subplots(1, len(ANGLES)), found.goniogram)
         for axes, light in zip(lower.subplots(1, len(LIGHTS)), LIGHTS, strict=True):
@@ -52,7 +53,7 @@ def _lightness(axes: Axes, goniogram: Goniogram) -> None:
         axes.plot(angle, at, "o", color=DARK, ms=5)
         axes.annotate(f"{at:.1f}", (angle, at), (5, 5), textcoords="offset points", fontsize=8)
     axes.set_ylabel("L*")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, max(1.1 * value.max(), 1))
     _angles(axes)
 
 
@@ -88,11 +89,10 @@ def _picture(axes: Axes, light: int, sparkle: Sparkle) -> None:
     crop = sparkle.picture[:CROP, :CROP]
     white = WHITE * median if median > 0 else max(crop.max(), 1e-9)
     axes.imshow(_encoded(crop / white), interpolation="nearest")
-    axes.set_title(
-        f"lamp at {light}°: area {100 * sparkle.area.value:.3g} %, "
-        f"intensity {sparkle.intensity.value:,.0f}"
-    )
-    axes.set_xlabel(f"{len(crop) * PIXEL * 1e3:.2g} mm; white is {WHITE} × the median")
+    intensity = sparkle.intensity.value
+    contrast = f", intensity {intensity:,.0f}" if np.isfinite(intensity) else ""
+    axes.set_title(f"lamp at {light}°: area {100 * sparkle.area.value:.3g} %{contrast}")
+    axes.set_xlabel(f"{len(crop) * PIXEL * 1e3:.1f} mm; white is {WHITE} × the median")
     _bare(axes)
 
 

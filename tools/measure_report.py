@@ -25,7 +25,7 @@ from metallic_paint.paint import Paint
 from sparkle_camera import LIGHTS, Sparkle
 
 PHOTONS = 800_000  # L* to 0.1 at every angle of the presets
-PICTURE_SIDE = 256  # pixels of each batch
+PICTURE_SIDE = 128  # pixels of each batch
 TRACED_PIXELS = 2048  # graininess to 2 %
 COLOURS = ("L*", "a*", "b*")
 
@@ -41,15 +41,14 @@ APPROXIMATIONS = f"""\
 - **Sparkle** is our approximation, since what instruments compute from their pictures is not
   published. The camera looks along the normal, the lamps stand at 15°, 45° and 75° from it and have
   a radius of {math.degrees(sparkle_camera.LAMP_RADIUS):g}° (assumed); the model draws pixels of
-  {sparkle_camera.PIXEL * 1e6:g} µm (assumed). A pixel sparkles if its luminance is above
-  {1 + sparkle_camera.CONTRAST:g} times the picture's median (our threshold). Area: the sparkling
-  share of the picture. Intensity: the sparkles' mean luminance over the median, less one; of a lens
-  without blur and a sensor without limit. The numbers compare paints with each other, not with an
-  instrument's grades.
-- **Graininess** likewise: the standard deviation of the luminance over its mean under an even dome,
-  in squares of {sparkle_camera.GRAIN * 1e6:.0f} µm, one minute of arc at half a metre. The flakes
-  are traced as discs that hide each other, each counted in the square of its centre; the substrate
-  and light scattered more than once count as even.
+  {sparkle_camera.PIXEL * 1e6:.0f} µm, one minute of arc at half a metre (assumed). A pixel sparkles
+  if its luminance is above {1 + sparkle_camera.CONTRAST:g} times the picture's median (our
+  threshold). Area: the sparkling share of the picture, so fine flakes have more of it. Intensity:
+  the sparkles' mean luminance over the median, less one, without a sensor's limit. The numbers
+  compare paints with each other, not with an instrument's grades.
+- **Graininess** likewise: the standard deviation of the luminance of such pixels over its mean,
+  under an even dome. The flakes are traced as discs that hide each other, each counted in the pixel
+  of its centre; the substrate and light scattered more than once count as even.
 - ± is one standard error, from leaving out one of {BATCHES} independent batches at a time.
 """
 
@@ -93,13 +92,14 @@ def figure(name: str, measured: Measured, unit: str) -> Figure:
 
 
 def shown(of: Figure) -> str:
-    """The value with two digits of its error."""
+    """The value with two digits of its error, but four decimals at most."""
     if of.value is None:
         return "–"
     if not of.error:
-        return f"{of.value:.4g}" + (" ± ?" if of.error is None else "")
-    digits = min(max(1 - math.floor(math.log10(of.error)), 0), 6)
-    return f"{of.value:.{digits}f} ± {of.error:.{digits}f}".replace("-", "−")
+        return f"{round(of.value, 4) + 0.0:g}" + (" ± ?" if of.error is None else "")
+    digits = min(max(1 - math.floor(math.log10(of.error)), 0), 4)
+    value = round(of.value, digits) + 0.0  # no −0
+    return f"{value:.{digits}f} ± {of.error:.{digits}f}".replace("-", "−")
 
 
 def counted(what: str, steps: Iterable[np.ndarray]) -> np.ndarray:

@@ -7,7 +7,7 @@ picture in spots strikingly brighter than their surroundings, sparkle intensity 
 (so Burgos-Fernández et al., Coatings 10:320, 2020). How a maker turns pictures into grades is not
 published; the numbers here are physical, to compare paints with each other.
 
-Assumed: ideal lens (pixels without blur); the lamp's size, the pixel and the threshold below.
+Assumed: an ideal lens, the lamp's size, the pixel and the threshold below.
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ from metallic_paint.paint import Paint, core_paint
 
 LIGHTS = (15, 45, 75)  # degrees from the normal
 LAMP_RADIUS = math.radians(1)  # assumed
-PIXEL = 40e-6  # m, assumed: about the size of the flakes
 CONTRAST = 1.0  # a sparkle is at least so much brighter than the background, relative to it: ours
-# What the eye resolves: one minute of arc at 0.5 m.
-GRAIN = 0.5 * math.radians(1 / 60)
+# m, assumed: what the eye resolves, one minute of arc at 0.5 m.
+PIXEL = 0.5 * math.radians(1 / 60)
 DOME = 2 * math.pi  # sr
 
 
@@ -89,7 +88,7 @@ def sparkle(paint: Paint, light: float, background: np.ndarray, side: int) -> Sp
 
 
 def dome_luminance(paint: Paint, pixels: int, shadowing: str = "discs") -> np.ndarray:
-    """Of the flakes in squares of side GRAIN under a dome of luminance 1, (batches, squares).
+    """Of the flakes in pixels under a dome of luminance 1, (batches, pixels).
 
     The flakes are traced one by one (core/reference/explicit_flakes.h), the lamp being the dome.
     """
@@ -97,7 +96,7 @@ def dome_luminance(paint: Paint, pixels: int, shadowing: str = "discs") -> np.nd
     up = direction(0)
     batches = (
         core.explicit_flakes(
-            traced, up, up, math.pi / 2, GRAIN**2, pixels // BATCHES, shadowing=shadowing, seed=seed
+            traced, up, up, math.pi / 2, PIXEL**2, pixels // BATCHES, shadowing=shadowing, seed=seed
         )
         for seed in range(BATCHES)
     )

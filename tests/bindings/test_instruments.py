@@ -43,6 +43,7 @@ def test_flop_index_is_its_formula_and_always_a_number_that_says_something() -> 
     assert flop(100, 30, 20) / flop(100, 60, 20) == pytest.approx(2**0.86)
     assert flop(0, 0, 0) == flop(50, 50, 50) == flop(40, 45, 50) == 0
     assert math.isnan(flop(1, 0, 0))
+    assert math.isnan(flop(1, 1e-30, 0))
 
 
 def test_jackknife_of_a_mean_is_its_standard_error() -> None:
@@ -86,7 +87,7 @@ def test_the_silvers_flop_as_silvers_do() -> None:
 
 def test_sparkle_area_is_the_probability_of_a_sparkle() -> None:
     # Small flakes of one size: Poisson, so 1 - exp(-<N>); over this background all of them show.
-    paint = Paint(flakes_per_mm2=20_000, flake_diameter_um=5, flake_area_spread=0)
+    paint = Paint(flakes_per_mm2=2000, flake_diameter_um=10, flake_area_spread=0)
     light = math.radians(15)
     up = [goniophotometer.direction(0)]
     lamp = core.Light(
