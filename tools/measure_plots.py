@@ -25,7 +25,7 @@ STYLE = {
     "axes.axisbelow": True, "savefig.facecolor": "white", "legend.frameon": False,
 }  # fmt: skip
 CROP = 64  # pixels along a side
-WHITE = 10  # what a picture shows as white, in medians
+WHITE = 30  # what a picture shows as white, in medians
 
 
 def draw(name: str, found: Measurement, file: Path) -> None:
