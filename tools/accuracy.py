@@ -7,9 +7,9 @@ import argparse
 import shutil
 from pathlib import Path
 
-import accuracy_folder
 import environments
 from processes import BUILD, ROOT, StepFailedError, describe, run_limited, run_program, run_step
+from report_folder import ACCURACY, check_file
 
 SECONDS = 1800
 PROGRAM = BUILD / "tests" / "tests" / "benchmark" / "trade"
@@ -42,7 +42,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="smaller pictures and samples")
     arguments = parser.parse_args()
 
-    accuracy_folder.check(arguments.out)
+    ACCURACY.check(arguments.out)
     if arguments.json:
         check_file(arguments.json, arguments.out)
     environments.prepare_accuracy()
@@ -56,20 +56,6 @@ def main() -> int:
         if arguments.json:
             report += ["--json", arguments.json]
         return _run("The report", report, {0, 1})
-
-
-def check_file(file: Path, out: Path) -> None:
-    """Finds out before the measuring whether the bars can be written."""
-    if out.resolve() in file.resolve().parents:
-        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
-    if file.is_dir():
-        raise StepFailedError(f"--json {file}: a folder.")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StepFailedError(
-            f"--json {file}: no folder to write to ({error.strerror})."
-        ) from error
 
 
 def _run(what: str, command: list[str | Path], good: set[int]) -> int:

@@ -7,11 +7,11 @@ import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import accuracy_folder
 import accuracy_plots
 import bars
 from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results, Traced
 from processes import say
+from report_folder import ACCURACY, REPORT
 
 NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
 SCREEN_STEP = 1 / 255  # of an 8-bit picture
@@ -309,7 +309,7 @@ def traced_tables(results: Results) -> Iterator[str]:
 
 
 def report(results: Results) -> Iterator[str]:
-    yield accuracy_folder.MARK
+    yield ACCURACY.mark
     yield ""
     yield "# Speed against accuracy"
     yield ""
@@ -409,16 +409,11 @@ def main() -> int:
 
     say("Comparing the pictures…")
     results = Results(arguments.measurements)
-    folder = accuracy_folder.unfinished(arguments.out)
-    try:
-        folder.mkdir(parents=True)
+    with ACCURACY.fill(arguments.out) as folder:
         say("Drawing the plots…")
         accuracy_plots.draw_all(results, folder)
         text = "\n".join(report(results)).rstrip() + "\n"
-        (folder / accuracy_folder.REPORT).write_text(text)
-        accuracy_folder.publish(arguments.out)
-    finally:
-        accuracy_folder.discard(arguments.out)
+        (folder / REPORT).write_text(text)
     found = make_bars(results)
     if arguments.json:
         bars.write(found, arguments.json)
@@ -427,7 +422,7 @@ def main() -> int:
     for bar in found:
         if not bar.holds:
             say(str(bar))
-    say(f"The report is {arguments.out / accuracy_folder.REPORT}.")
+    say(f"The report is {arguments.out / REPORT}.")
     return 0 if all(bar.holds for bar in found) else 1
 
 

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,8 @@ def _bar(name: str, value: float, limit: float, unit: str, holds: bool) -> Bar:
     return Bar(name, float(value) if finite else None, unit, limit, bool(holds and finite))
 
 
-def write(bars: list[Bar], path: Path) -> None:
-    """Writes the file whole or not at all."""
+def write(rows: Sequence[Any], path: Path) -> None:
+    """Writes dataclasses, bars or others; the file whole or not at all."""
     unfinished = path.with_name(f".{path.name}.unfinished")
-    unfinished.write_text(json.dumps([asdict(bar) for bar in bars], indent=2) + "\n")
+    unfinished.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
     unfinished.replace(path)

@@ -81,7 +81,16 @@ def prepare_tools() -> None:
 
 def prepare_accuracy() -> None:
     with alone():
-        _install(ACCURACY, Path(sys.executable), [])
+        _install(ACCURACY, Path(sys.executable), _build_requirements())
+
+
+def prepare_measure() -> None:
+    """The plots' environment and in it the bindings: no Blender."""
+    prepare_accuracy()
+    with alone():
+        _install_bindings(ACCURACY)
+
+
 def prepare_fuzzer() -> None:
     with alone():
         _install(FUZZER, Path(sys.executable), [])
@@ -96,7 +105,7 @@ def prepare(blender: Blender) -> None:
         )
     with alone():
         _install(blender.environment, python, _build_requirements())
-        _install_bindings(blender)
+        _install_bindings(blender.environment)
 
 
 def prepare_blenders() -> list[Blender]:
@@ -160,26 +169,25 @@ def _install(environment: Environment, python: Path, extra: list[str]) -> None:
     environment.installed.write_text(digest)
 
 
-def _install_bindings(blender: Blender) -> None:
-    environment = blender.environment
+def _install_bindings(environment: Environment) -> None:
     stamp = environment.folder / ".bindings"
     digest = _digest(_wheel_sources(), [environment.installed.read_text()])
     if _is_current(stamp, digest):
         return
-    say(f"Building the bindings for Python {blender.python_version}…")
-    wheels = BUILD / f"wheels-{blender.python_version}"
+    say(f"Building the bindings in {environment.folder.name}…")
+    wheels = BUILD / f"wheels-{environment.name}"
     shutil.rmtree(wheels, ignore_errors=True)
     pip = [environment.python, "-m", "pip"]
     options = ["--no-build-isolation", "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"]
     run_step(
         "Building the bindings",
         [*pip, "wheel", "--no-deps", *options, "--wheel-dir", wheels, ROOT],
-        f"wheel-{blender.python_version}.log",
+        f"wheel-{environment.name}.log",
     )
     run_step(
         "Installing the bindings",
         [*pip, "install", "--no-deps", "--force-reinstall", *wheels.glob("*.whl")],
-        f"install-{blender.python_version}.log",
+        f"install-{environment.name}.log",
     )
     stamp.write_text(digest)
 

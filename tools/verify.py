@@ -19,6 +19,7 @@ import numpy as np  # noqa: E402
 import verify_hash  # noqa: E402
 import verify_scenes  # noqa: E402
 from metallic_paint import lights, verify  # noqa: E402
+from metallic_paint.paint import core_paint  # noqa: E402
 from verify_images import write_comparison  # noqa: E402
 
 SIZE = 256  # pixels along each side of a picture
@@ -70,7 +71,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     for light, lamp in enumerate(names):
         comparison, sums, shown = None, Sums.zero(), None
         for seed in range(spec.seeds):
-            paint = verify.core_paint(spec.paint, seed=spec.paint.seed + seed)
+            paint = core_paint(spec.paint, seed=spec.paint.seed + seed)
             probe.set("Seed", paint.seed)
             predicted = verify.predict(paint, slots, geometry, "float")
             leader = int(predicted["leader"][:, light].max())

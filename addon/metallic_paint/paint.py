@@ -164,6 +164,19 @@ def shader_value(name: str, value: float | str | Color) -> float | int | Color:
     return choices.index(value) if choices else value
 
 
+def core_paint(paint: Paint, **changes: object) -> object:
+    """The paint as the core takes it."""
+    import metallic_paint_core as core
+
+    fields = dataclasses.asdict(paint) | changes
+    for name in ("substrate_color", "coat_roughness"):  # no part of the sparkles
+        del fields[name]
+    fields["orientation"] = core.Orientation[fields["orientation"]]
+    fields["depth_model"] = core.DepthModel[fields["depth_model"]]
+    fields["radiometry"] = core.Radiometry[fields["radiometry"]]
+    return core.Paint(**fields)
+
+
 def _checked(name: str, value: object, parameter: Parameter) -> float | int | str | Color:
     default = _DEFAULTS[name]
     if parameter.choices:

@@ -14,14 +14,13 @@ from __future__ import annotations
 import contextlib
 import tempfile
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 from . import lights, material, shader
-from .paint import Paint
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
@@ -207,19 +206,6 @@ def _emitting(painted: bpy.types.Material) -> Iterator[None]:
         nodes.remove(emission)
         for socket in was:
             links.new(socket, surface)
-
-
-def core_paint(paint: Paint, **changes: object) -> object:
-    """The paint as the core takes it."""
-    import metallic_paint_core as core
-
-    fields = asdict(paint) | changes
-    for name in ("substrate_color", "coat_roughness"):  # no part of the sparkles
-        del fields[name]
-    fields["orientation"] = core.Orientation[fields["orientation"]]
-    fields["depth_model"] = core.DepthModel[fields["depth_model"]]
-    fields["radiometry"] = core.Radiometry[fields["radiometry"]]
-    return core.Paint(**fields)
 
 
 def core_lights() -> list:

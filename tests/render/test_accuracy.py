@@ -9,10 +9,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import accuracy_folder
 import bars
 import pytest
 from processes import ROOT
+from report_folder import ACCURACY, REPORT
 
 SECONDS = 900  # the first run builds and installs
 GROUPS = ("number type", "orientation", "blocked area", "coating", "count", "sum", "radiometry",
@@ -50,8 +50,8 @@ def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str
 
 def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
-    text = (out / accuracy_folder.REPORT).read_text()
-    assert text.startswith(accuracy_folder.MARK)
+    text = (out / REPORT).read_text()
+    assert text.startswith(ACCURACY.mark)
     titles = re.findall(r"^### (.*)$", text, re.MULTILINE)
     assert len(titles) == len(GROUPS)
     for group, title in zip(GROUPS, titles, strict=True):
@@ -72,9 +72,9 @@ def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[di
 
 def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
-    shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", (out / accuracy_folder.REPORT).read_text())
-    assert sorted(shown) == sorted(accuracy_folder.PICTURES)
-    assert sorted(path.name for path in out.iterdir()) == sorted([*shown, accuracy_folder.REPORT])
+    shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", (out / REPORT).read_text())
+    assert sorted(shown) == sorted(ACCURACY.pictures)
+    assert sorted(path.name for path in out.iterdir()) == sorted([*shown, REPORT])
     for name in shown:
         data = (out / name).read_bytes()
         assert data.startswith(b"\x89PNG")
@@ -83,10 +83,10 @@ def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[di
 
 def test_the_conclusions_are_said_as_well(run: tuple[Path, list[dict], str]) -> None:
     out, _, said = run
-    text = (out / accuracy_folder.REPORT).read_text()
+    text = (out / REPORT).read_text()
     short = text.split("## In short\n")[1].split("##")[0].strip()
     assert short in said
-    assert str(out / accuracy_folder.REPORT) in said
+    assert str(out / REPORT) in said
 
 
 @pytest.mark.parametrize("name", ["README.md", "notes.txt"])

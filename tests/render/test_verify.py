@@ -12,6 +12,7 @@ import pytest
 import verify_hash
 import verify_scenes
 from metallic_paint import lights, verify
+from metallic_paint.paint import core_paint
 
 SIZE = 48
 
@@ -22,7 +23,7 @@ def test_pixels_are_those_of_the_core(spec: verify_scenes.Scene) -> None:
     item = verify_scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
     geometry, slots = probe.geometry(), verify.core_lights()
-    paint = verify.core_paint(spec.paint)
+    paint = core_paint(spec.paint)
     predicted = verify.predict(paint, slots, geometry, "float")
     lamp = lights.fill(scene).slots[0]
     assert geometry.hit.mean() > 0.1
@@ -48,7 +49,7 @@ def test_a_wrong_prediction_is_found_out() -> None:
     item = verify_scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
     geometry, slots = probe.geometry(), verify.core_lights()
-    paint = verify.core_paint(spec.paint, seed=spec.paint.seed + 1)
+    paint = core_paint(spec.paint, seed=spec.paint.seed + 1)
     predicted = verify.predict(paint, slots, geometry, "float")
     empty = np.zeros((SIZE, SIZE, 3), np.float32)
     count = probe.image(verify.COUNT)[..., 0]
