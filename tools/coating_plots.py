@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Swatches of a flake's colours over the angle and, if it is coated, over the coating's thickness."""
+"""Swatches of a flake's colours over the angle and the thickness of its coating."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ def _over_angle(axes: Axes, what: str, values: Array) -> None:
 
 
 def _over_thickness(axes: Axes, what: str, values: Array) -> None:
-    swatch = encoded_srgb(values).swapaxes(0, 1)
+    most = min(values[:, 0].max(), 1)  # the first angle's: at grazing incidence all is white
+    swatch = encoded_srgb(values / most).swapaxes(0, 1)
     extent = (THICKNESSES[0], THICKNESSES[-1], ANGLES[0], ANGLES[-1])
     axes.imshow(swatch, extent=extent, aspect="auto", origin="lower")
-    axes.set(xlabel="thickness of the coating (nm)", ylabel="α (°)", title=what)
+    axes.set(xlabel="thickness of the coating (nm)", ylabel="α (°)", title=f"{what} / {most:.2f}")

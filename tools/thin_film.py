@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Film = tuple[ArrayLike, float]  # complex index (at each wavelength), thickness in nm
 
-MAX_NM = 4000.0  # of a whole stack; keeps exp(2 pi k h / lambda) finite for k up to 40
+OPAQUE = 50.0  # deeper than this phase nothing returns to double's precision: exp(-2 * 50) = 4e-44
 GRAZING = 1e-9  # least cosine: at 0 the matrices say 0/0, and the limit is met to 1e-8
 
 
@@ -27,12 +27,13 @@ def reflect_and_transmit(
     """R and T, (wavelengths, cosines), unpolarised, between two half spaces of index `medium`."""
     if not 1 <= medium <= 4:
         raise ValueError(f"index of the medium is {medium}, but must be from 1 to 4")
-    if (
-        any(not 0 <= thickness <= MAX_NM for _, thickness in films)
-        or (total := sum(thickness for _, thickness in films)) > MAX_NM
-    ):
-        each = [thickness for _, thickness in films]
-        raise ValueError(f"thicknesses are {each}, but must be from 0 to {MAX_NM:g} nm in total")
+    for index, thickness in films:
+        if not 0 <= thickness <= 1e6:
+            raise ValueError(f"thickness of a film is {thickness}, but must be from 0 to 1e6 nm")
+        if not np.all((np.imag(index) >= 0) & (np.abs(index) >= 0.01) & (np.abs(index) <= 100)):
+            raise ValueError(
+                f"index of a film is {index}, but must be from 0.01 to 100, with k >= 0"
+            )
     wavelength = np.asarray(wavelength_nm, dtype=float)[:, np.newaxis]
     cosine = np.clip(np.asarray(cosine, dtype=float), GRAZING, 1)
     waves = [_one_wave(films, medium, wavelength, cosine, parallel) for parallel in (False, True)]
@@ -49,8 +50,10 @@ def _one_wave(
         square = (np.asarray(index, dtype=complex) ** 2).reshape(-1, 1)
         # Snell: (n cos)^2 = n^2 - m^2 sin^2, written so that a film of the medium's index is exact.
         normal_square = square - medium**2 + (medium * cosine) ** 2
+        normal = np.sqrt(normal_square)
         path = 2 * np.pi * thickness / wavelength
-        phase = path * np.sqrt(normal_square)
+        path = np.minimum(path, OPAQUE / np.maximum(normal.imag, 1e-9))
+        phase = path * normal
         # sin(d) / (n cos), also where n cos vanishes: the critical angle.
         sine = path * np.sinc(phase / np.pi)
         weight = square if parallel else 1.0
