@@ -254,6 +254,8 @@ def test_a_paint_shows_the_coatings_colour() -> None:
         (lambda: coatings.named_flake("tio2-on-mica", -1), "coating_nm is -1, but must be from 0"),
         (lambda: coatings.named_flake("mica", None, np.nan), "platelet_nm is nan, but must be"),
         (lambda: coatings.named_flake("mica", None, 100, 50), "spread_nm is 50, but must be from"),
+        (lambda: coatings.Flake("tin", 100), "platelet is 'tin', but must be one of"),
+        (lambda: coatings.Flake("mica", 100, 0, "tin", 9), "coating is 'tin', but must be None or"),
         (lambda: coatings.table(coatings.named_flake("mica"), 0.5), "medium is 0.5, but must be"),
         (lambda: coatings.table(coatings.named_flake("mica"), 1.5, 1), "nodes is 1, but must be"),
         (
