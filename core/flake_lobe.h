@@ -21,13 +21,14 @@ struct MirroredSample {
 // A flake's normal m drawn from p, so the direction outside has the density q = p/(4 |v . m|)
 // cos(theta')/(eta^2 cos(theta'_p)) (mirror law, then refraction), and
 //   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r').
-// u, w: uniform deviates in (0, 1).
+// u, w: uniform deviates in (0, 1). Unlike the sparkles' headers, the shader's copy repeats this in
+// the mean and not bit for bit: OSL's own sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w) {
   MirroredSample<T> sample{normal};
   const T eta = layer.eta;
   const T cos_view = std::min(dot(normal, view), T(1));
-  if (!(cos_view > 0)) return sample;
+  if (!(cos_view > T(kLeastCosine))) return sample;
   const T g_view = eta_cos_refracted(cos_view, eta);
   if (!(g_view > 0)) return sample;
   const Vec3<T> v = (view + normal * (g_view - cos_view)) / eta;
@@ -53,17 +54,18 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   const T cos2_light = 1 - dot(tangent, tangent);
   if (!(cos2_light > 0)) return sample;  // total reflection
   const T cos_light = std::sqrt(cos2_light), g_light = eta * along;
+  if (!(cos_light > T(kLeastCosine))) return sample;
   sample.direction = tangent + normal * cos_light;
 
   const T cos_alpha = std::min(std::abs(facing), T(1));
   const T cos_view_in = std::min(g_view / eta, T(1)), cos_light_in = std::min(along, T(1));
   const Rgb<T> slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
   const T exit = layer.radiometry == Radiometry::published ? cos_view : cos_view_in;
-  const T scale = layer.coverage * tilt.weight * cos_alpha / exit *
-                  fresnel_transmittance(cos_view, g_view, eta) *
-                  fresnel_transmittance(cos_light, g_light, eta);
+  // 1 - r goes to zero with the cosine of the exit, A with its inverse: neither overflows.
+  const T scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
+                  fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
   sample.weight = coating_reflectance(layer.coating, cos_alpha) *
-                  map(slant, [](T x) { return mean_transmittance(x); }) * scale;
+                  map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) * scale;
   return sample;
 }
 

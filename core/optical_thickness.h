@@ -12,6 +12,7 @@
 
 #include "coating.h"
 #include "orientation.h"
+#include "refraction.h"
 
 namespace metallic_paint {
 
@@ -96,7 +97,7 @@ Rgb<T> blocked_area(const OrientationDensity<T>& density, const Coating<T>& coat
 // H tau(theta)/cos(theta): the optical depth of the whole layer along a slanted ray in the binder.
 template <class T>
 Rgb<T> slant_depth(T coverage, Rgb<T> blocked, Rgb<T> binder_depth, T cos_theta) {
-  return (blocked * coverage + binder_depth) / std::max(cos_theta, T(1e-8));
+  return (blocked * coverage + binder_depth) / std::max(cos_theta, T(kLeastCosine));
 }
 
 }  // namespace metallic_paint

@@ -49,8 +49,9 @@ T solid_angle_ratio(T cos_theta, T g, T eta) {
   return cos_theta / (eta * g);
 }
 
-// A direction closer to the surface, in rad, sees nothing of it.
-inline constexpr double kLeastCosine = 1e-30;
+// A direction closer to the surface, in rad, sees nothing of it: optical depths stay inside a
+// float.
+inline constexpr double kLeastCosine = 1e-20;
 
 // Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
 template <class T>

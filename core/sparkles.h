@@ -16,8 +16,8 @@
 //   f = D H <S> p(n_f) r_p A (1 - r)(1 - r')/(4 eta^2 cos(theta_p) cos(theta'_p)).
 // For lights wide against the flakes' tilt p(n_f) is its mean over the light's cone
 // (`cap_probability`), and so is that of f. Against explicit flakes, eta >= 1.3
-// (tests/core/explicit_flakes_test.cpp): within 1 % while the quarter cone's radius is below a
-// quarter of the tilt, 3 % up to the tilt, 10 % up to twice the tilt.
+// (tests/core/explicit_flakes_test.cpp), the mean of random scenes is within 1 % while the quarter
+// cone's radius is below a quarter of the tilt, 3 % up to the tilt, 10 % up to twice the tilt.
 #pragma once
 
 #include <algorithm>
@@ -204,8 +204,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
   }
   // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
   if (expected.slots > 0 && expected.mean_count > slots) {
-    expected.mirror = map(expected.mirror * (expected.mean_count / slots),
-                          [&](T t) { return std::min(t, expected.ceiling); });
+    expected.mirror = expected.mirror * (expected.mean_count / slots);
     expected.mean_count = slots;
   }
   // The paper's Bernoulli rule (step 3).

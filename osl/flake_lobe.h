@@ -19,7 +19,7 @@ MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_ti
   mirrored.weight = color(0.0);
   float eta = layer.eta;
   float cos_view = min(inner_product(n, view), 1.0);
-  if (!(cos_view > 0.0))
+  if (!(cos_view > LEAST_COSINE))
     return mirrored;
   float g_view = eta_cos_refracted(cos_view, eta);
   if (!(g_view > 0.0))
@@ -49,6 +49,8 @@ MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_ti
     return mirrored;
   float cos_light = sqrt(cos2_light);
   float g_light = eta * along;
+  if (!(cos_light > LEAST_COSINE))
+    return mirrored;
   mirrored.direction = tangent + n * cos_light;
 
   float cos_alpha = min(fabs(facing), 1.0);
@@ -57,9 +59,9 @@ MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_ti
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     exit = cos_view;
-  float scale = layer.coverage * tilt.weight * cos_alpha / exit *
-                fresnel_transmittance(cos_view, g_view, eta) *
-                fresnel_transmittance(cos_light, g_light, eta);
-  mirrored.weight = coating_reflectance(layer.coating, cos_alpha) * mean_transmittance(slant) * scale;
+  float scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
+                fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
+  mirrored.weight = coating_reflectance(layer.coating, cos_alpha) *
+                    (layer.coverage * mean_transmittance(slant)) * scale;
   return mirrored;
 }

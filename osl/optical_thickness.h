@@ -14,5 +14,5 @@ color blocked_area(OrientationDensity density, Coating coating, float cos_theta)
 
 color slant_depth(float coverage, color blocked, color binder_depth, float cos_theta)
 {
-  return (blocked * coverage + binder_depth) / max(cos_theta, 1e-8);
+  return (blocked * coverage + binder_depth) / max(cos_theta, LEAST_COSINE);
 }

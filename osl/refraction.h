@@ -27,7 +27,7 @@ float solid_angle_ratio(float cos_theta, float g, float eta)
   return cos_theta / (eta * g);
 }
 
-#define LEAST_COSINE 1e-30
+#define LEAST_COSINE 1e-20
 
 struct Mirror {
   int possible;

@@ -140,7 +140,7 @@ ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight li
     expected.slant = color(0.0);
   }
   if (expected.slots > 0 && expected.mean_count > slots) {
-    expected.mirror = min(expected.mirror * (expected.mean_count / slots), color(expected.ceiling));
+    expected.mirror = expected.mirror * (expected.mean_count / slots);
     expected.mean_count = slots;
   }
   if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.slots == 0 &&

@@ -80,7 +80,11 @@ def _against_traced(axes: Axes, results: Results) -> None:
     axes.axhline(noise, color=GREY, ls=":", lw=1.2)
     axes.text(0.98, noise, "noise", color=GREY, va="bottom", ha="right", fontsize=8.5,
               transform=axes.get_yaxis_transform())  # fmt: skip
-    _panel(axes, f"against traced flakes, scene “{data['scene']}”", points)
+    _panel(
+        axes,
+        f"against traced flakes, scene “{data['scene']}” (no front: the mean's error is all's)",
+        points,
+    )
 
 
 # By the ratio of the longest to the shortest time.

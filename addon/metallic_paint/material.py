@@ -70,7 +70,8 @@ _EXTRAS = {
     "OtherLight": _Extra(
         "Other Light", SPARKLE, 0, 1, 1,
         "1: the flakes also show the world, area lights and their surroundings. 0: there is no "
-        "other light than the sun, spots and points in the slots, and nothing is computed for it",
+        "other light than the sun, spots and points in the slots, and nothing is computed for it. "
+        "What lies right behind such a lamp, seen from the paint, is left out",
     ),
 }  # fmt: skip
 

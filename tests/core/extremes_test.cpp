@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "flake_lobe.h"
 #include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
@@ -56,6 +57,7 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   const auto drawn = draw_sparkles(expected, layer.area_spread, stream_key(1, 0, 2, 3), 5, 7);
   const Rgb<T> brdf =
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
+  const auto lobe = sample_flake(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), T(0.7), T(0.3));
   const int raised = std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
   const char* type = sizeof(T) == 4 ? "float" : "double";
   ASSERT_EQ(raised, 0) << type << " floating-point exceptions " << raised << ' ' << scene;
@@ -68,6 +70,7 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   ASSERT_TRUE(sound(drawn.count)) << type << ' ' << drawn.count << ' ' << scene;
   ASSERT_TRUE(sound(drawn.radiance)) << type << " drawn " << drawn.radiance.x << ' ' << scene;
   ASSERT_LE(max_component(drawn.radiance), expected.ceiling) << type << ' ' << scene;
+  ASSERT_TRUE(sound(lobe.weight)) << type << " lobe " << lobe.weight.x << ' ' << scene;
   ASSERT_TRUE(sound(brdf)) << type << ' ' << brdf.x << ' ' << scene;
 }
 
@@ -313,6 +316,20 @@ TEST(Limits, GrazingMeansFallWithTheSurfaceTransmittance) {
   EXPECT_NEAR(mean(1e-9, 0.5) / mean(1e-7, 0.5), 1e-2, 1e-7);
   EXPECT_NEAR(mean(0.5, 1e-9) / mean(0.5, 1e-7), 1e-4, 1e-9);
   EXPECT_NEAR(mean(1e-11, 1e-11) / mean(1e-9, 1e-9), 1e-6, 1e-11);
+}
+
+TEST(Limits, GrazingWithoutRefractionShowsTheTopmostFlakes) {
+  // Along the surface A = (1 - e^-x)/x falls like 1/x, the cosine, and f like A/cos^2: cos f
+  // stands.
+  TestScene scene = face_on();
+  scene.paint.binder_ior = 1;
+  const auto brdf = [&](double cosine) {
+    scene.view = {std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine};
+    scene.light = {-scene.view.x, 0, cosine};
+    return flake_brdf(scene.layer<double>(), scene.normal, scene.view, scene.light).x * cosine;
+  };
+  EXPECT_NEAR(brdf(1e-9) / brdf(1e-6), 1, 1e-5);
+  EXPECT_NEAR(brdf(1.7e-11) / brdf(1e-6), 1, 1e-5);
 }
 
 TEST(Limits, IndexOneIsTheLimitOfItsNeighbours) {

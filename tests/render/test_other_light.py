@@ -92,7 +92,7 @@ def view_of(probe: verify.Probe) -> np.ndarray:
 
 
 def add_area_light(size: float, height: float) -> bpy.types.Object:
-    """A square lamp of 4 m sides towards +x, facing the origin."""
+    """A square lamp towards +x, facing the origin."""
     data = bpy.data.lights.new("Area", "AREA")
     data.size, data.energy = size, 100
     item = bpy.data.objects.new("Area", data)
