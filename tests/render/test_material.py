@@ -29,8 +29,8 @@ EVERYTHING_ELSE = Paint(
 def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
-    parameters = ["int Frame = 0", "int Diagnostic = 0", "int DiagnosticLight = 0", "int OtherLight = 0",
-                  "float MetersPerUnit = 1", "normal Normal = N"]  # fmt: skip
+    parameters = ["int Frame = 0", "int Diagnostic = 0", "int DiagnosticLight = 0",
+                  "int OtherLight = 0", "float MetersPerUnit = 1", "normal Normal = N"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
         default = shader_value(name, getattr(paint, name))
         if isinstance(default, tuple):
