@@ -5,6 +5,7 @@
 
 #include "coating.h"
 #include "orientation.h"
+#include "refraction.h"
 
 color blocked_area(OrientationDensity density, Coating coating, float cos_theta)
 {
