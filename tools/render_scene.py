@@ -273,12 +273,6 @@ def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
     w, h = size(scene)
     say(f"{preset}, {w} × {h} pixels, {scene.cycles.samples} samples, {seconds:.0f} s")
     say(str(report))
-    unseen = ["area lights"] * any(thing.type == "LIGHT" and thing.data.type == "AREA"
-                                   for thing in rendered(scene))  # fmt: skip
-    unseen += ["the world"] * _world_shines(scene.world)
-    if unseen:
-        say(f"Note: in this version the flakes do not reflect {' and '.join(unseen)}; "
-            "the lacquer over them does.")  # fmt: skip
 
 
 def _write(scene: bpy.types.Scene, files: Sequence[Path]) -> None:
@@ -301,54 +295,6 @@ def _describe(file: Path, scene: bpy.types.Scene) -> str:
 
 def _is_exr(file: Path) -> bool:
     return file.suffix.lower() == ".exr"
-
-
-def _world_shines(world: bpy.types.World | None) -> bool:
-    if world is None:
-        return False
-    if world.node_tree is None:
-        return any(world.color)
-    return any(
-        _shines(node.inputs["Strength"]) and _shines(node.inputs["Color"])
-        for node in world.node_tree.nodes
-        if node.type == "BACKGROUND"
-    )
-
-
-def _shines(socket: bpy.types.NodeSocket) -> bool:
-    value = socket.default_value
-    return socket.is_linked or (any(value[:3]) if socket.type == "RGBA" else value > 0)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[None]:
-    """Tells how far the render is: on a terminal in one line, else a line each tenth."""
-    start = time.monotonic()
-    live = _console.isatty()
-    told = -1
-
-    def tell(stats: str, _: object = None) -> None:
-        nonlocal told
-        done = _share_done(stats)
-        percent = int(100 * done)
-        if percent <= told if live else percent // 10 <= told // 10:
-            return
-        told = percent
-        elapsed = time.monotonic() - start
-        line = f"{percent:3} %, {elapsed:.0f} s"
-        if 0 < done < 1:
-            line += f", {elapsed / done - elapsed:.0f} s remain"
-        _console.write(f"\r{line:<40}" if live else f"{line}\n")
-        _console.flush()
-
-    handlers = bpy.app.handlers.render_stats
-    handlers.append(tell)
-    try:
-        yield
-    finally:
-        handlers.remove(tell)  # else bpy 4.5 hangs when it ends
-        if live:
-            _console.write("\n")
 
 
 def _share_done(stats: str) -> float:
