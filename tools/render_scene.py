@@ -297,6 +297,37 @@ def _is_exr(file: Path) -> bool:
     return file.suffix.lower() == ".exr"
 
 
+@contextlib.contextmanager
+def _progress() -> Iterator[None]:
+    """Tells how far the render is: on a terminal in one line, else a line each tenth."""
+    start = time.monotonic()
+    live = _console.isatty()
+    told = -1
+
+    def tell(stats: str, _: object = None) -> None:
+        nonlocal told
+        done = _share_done(stats)
+        percent = int(100 * done)
+        if percent <= told if live else percent // 10 <= told // 10:
+            return
+        told = percent
+        elapsed = time.monotonic() - start
+        line = f"{percent:3} %, {elapsed:.0f} s"
+        if 0 < done < 1:
+            line += f", {elapsed / done - elapsed:.0f} s remain"
+        _console.write(f"\r{line:<40}" if live else f"{line}\n")
+        _console.flush()
+
+    handlers = bpy.app.handlers.render_stats
+    handlers.append(tell)
+    try:
+        yield
+    finally:
+        handlers.remove(tell)  # else bpy 4.5 hangs when it ends
+        if live:
+            _console.write("\n")
+
+
 def _share_done(stats: str) -> float:
     tiles = re.search(r"Rendered (\d+)/(\d+) Tiles", stats)
     samples = re.search(r"Sample (\d+)/(\d+)", stats)
