@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import verify_scenes
 from metallic_paint import lights, material, verify
-from metallic_paint.paint import INT_MAX, INT_MIN, Paint
+from metallic_paint.paint import INT_MAX, INT_MIN, Paint, core_paint
 from verify_scenes import SILVER, SUN, Scene, lamp, sun
 
 SIZE = 24
@@ -62,12 +62,10 @@ def check(
             assert (radiance.max(axis=-1) <= ceiling * (1 + 1e-5)).all()
     if counts:
         count = probe.image(verify.COUNT)[..., 0]
-        core_paint = verify.core_paint(paint, frame=frame)
-        predicted = verify.predict(core_paint, slots, geometry, "float")
+        as_the_core = core_paint(paint, frame=frame)
+        predicted = verify.predict(as_the_core, slots, geometry, "float")
         none = np.zeros((SIZE, SIZE, 3))
-        found = verify.compare(
-            core_paint, geometry, predicted, 0, 0, count, none[..., 0], none, none
-        )
+        found = verify.compare(exact, geometry, predicted, 0, 0, count, none[..., 0], none, none)
         assert found.unexplained == 0
 
 

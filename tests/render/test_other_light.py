@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import verify_scenes
 from metallic_paint import verify
-from metallic_paint.paint import Paint
+from metallic_paint.paint import Paint, core_paint
 
 core = pytest.importorskip("metallic_paint_core")
 
@@ -50,7 +50,7 @@ def albedo(paint: Paint, view: np.ndarray, seen: object = None) -> np.ndarray:
     ).reshape(-1, 3)
     normal = np.broadcast_to([0.0, 0.0, 1.0], light.shape)
     views = np.broadcast_to(view, light.shape)
-    f = core.flake_brdf(verify.core_paint(paint), normal, views, light)
+    f = core.flake_brdf(core_paint(paint), normal, views, light)
     kept = np.ones(len(light)) if seen is None else seen(light)
     return (f * kept[:, None]).sum(axis=0) * np.pi / n**2
 
@@ -187,9 +187,7 @@ def test_a_light_beyond_the_slots_lights_the_mean() -> None:
     sun = add(probe.scene)  # no lights.fill: it stays out of the slots
     bpy.context.view_layer.update()
     towards = np.array(sun.matrix_world)[:3, 2].astype(float)
-    f = core.flake_brdf(
-        verify.core_paint(paint), np.array([[0.0, 0, 1]]), view[None], towards[None]
-    )[0]
+    f = core.flake_brdf(core_paint(paint), np.array([[0.0, 0, 1]]), view[None], towards[None])[0]
     expect_equal(probe.image(verify.LOBE), f * towards[2] * sun.data.energy, relative=0.05)
 
 
