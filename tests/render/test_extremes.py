@@ -65,7 +65,9 @@ def check(
         as_the_core = core_paint(paint, frame=frame)
         predicted = verify.predict(as_the_core, slots, geometry, "float")
         none = np.zeros((SIZE, SIZE, 3))
-        found = verify.compare(exact, geometry, predicted, 0, 0, count, none[..., 0], none, none)
+        found = verify.compare(
+            as_the_core, geometry, predicted, 0, 0, count, none[..., 0], none, none
+        )
         assert found.unexplained == 0
 
 
