@@ -45,7 +45,7 @@ def main() -> int:
     ACCURACY.check(arguments.out)
     if arguments.json:
         check_file(arguments.json, arguments.out)
-    environments.prepare_accuracy()
+    environments.prepare_tool(environments.ACCURACY)
     with environments.alone():
         build()
         shutil.rmtree(MEASUREMENTS, ignore_errors=True)

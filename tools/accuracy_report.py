@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import accuracy_plots
 import bars
 from accuracy_results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results, Traced
 from processes import say
-from report_folder import ACCURACY, REPORT
+from report_folder import ACCURACY, REPORT, table
 
 NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
 SCREEN_STEP = 1 / 255  # of an 8-bit picture
@@ -49,14 +49,6 @@ def times(ratio: float) -> str:
 
 def percent(part: float) -> str:
     return f"{part:.0%}".replace("%", " %")
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    yield "| " + " | ".join(head) + " |"
-    yield "| --- |" + " ---: |" * (len(head) - 1)
-    for row in rows:
-        yield "| " + " | ".join(row) + " |"
-    yield ""
 
 
 def verdict(choice: Choice) -> str:

@@ -74,26 +74,18 @@ ACCURACY = Environment(
 FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
 
 
-def prepare_tools() -> None:
+def prepare_tool(environment: Environment) -> None:
+    """One that runs in the Python at hand, without Blender."""
     with alone():
-        _install(TOOLS, Path(sys.executable), [])
-
-
-def prepare_accuracy() -> None:
-    with alone():
-        _install(ACCURACY, Path(sys.executable), _build_requirements())
+        extra = _build_requirements() if environment is ACCURACY else []
+        _install(environment, Path(sys.executable), extra)
 
 
 def prepare_measure() -> None:
     """The plots' environment and in it the bindings: no Blender."""
-    prepare_accuracy()
+    prepare_tool(ACCURACY)
     with alone():
         _install_bindings(ACCURACY)
-
-
-def prepare_fuzzer() -> None:
-    with alone():
-        _install(FUZZER, Path(sys.executable), [])
 
 
 def prepare(blender: Blender) -> None:

@@ -6,14 +6,14 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import bars
 import numpy as np
 from processes import ROOT, StepFailedError, run_program, say
-from report_folder import MEASURE, REPORT
+from report_folder import MEASURE, REPORT, table
 
 sys.path.insert(0, str(ROOT / "addon"))
 import goniophotometer
@@ -126,14 +126,6 @@ def measure(paint: Paint, quick: bool) -> Measurement:
     }
     grain = sparkle_camera.graininess(dome, even.under_dome)
     return Measurement(goniophotometer.goniogram(batches), sparkles, grain)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    yield "| " + " | ".join(head) + " |"
-    yield "| --- |" + " ---: |" * (len(head) - 1)
-    for row in rows:
-        yield "| " + " | ".join(row) + " |"
-    yield ""
 
 
 def tables(found: dict[str, Figure]) -> Iterator[str]:

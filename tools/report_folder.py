@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Folders that a report owns: filled whole or not at all, nobody else's files in them."""
+"""Reports: the folder that one owns, filled whole or not at all, and its tables."""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,3 +82,12 @@ def check_file(file: Path, out: Path) -> None:
 def _unfinished(out: Path) -> Path:
     whole = out.absolute()
     return whole.with_name(f".{whole.name}.unfinished")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """The lines of a Markdown table, all columns but the first to the right."""
+    yield "| " + " | ".join(head) + " |"
+    yield "| --- |" + " ---: |" * (len(head) - 1)
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"
+    yield ""

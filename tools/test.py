@@ -62,7 +62,7 @@ class Group:
 
 
 def check_groups() -> Iterator[Group]:
-    environments.prepare_tools()
+    environments.prepare_tool(environments.TOOLS)
     for name, command in checks.commands().items():
         yield Group(f"check {name}", lambda name=name, command=command: _check(name, command))
     yield Group("check licence lines", _check_licences)
@@ -120,7 +120,7 @@ def fuzz_groups() -> Iterator[Group]:
 
 def _fuzz(file: Path) -> Outcome:
     """The same inputs in every run; what fails is kept where the log says."""
-    environments.prepare_fuzzer()
+    environments.prepare_tool(environments.FUZZER)
     command = [environments.FUZZER.python, file, f"-runs={FUZZ_RUNS}", "-seed=1"]
     return _run_whole(command, LOGS / f"{file.stem.replace('_', '-')}.log")
 

@@ -38,21 +38,25 @@ def add_world(radiance: float) -> None:
     bpy.context.scene.world = world
 
 
-def albedo(paint: Paint, view: np.ndarray, seen: object = None) -> np.ndarray:
-    """Integral of f cos over the half sphere (or the part that `seen` keeps): the RGB radiance
-    under a world of radiance 1."""
-    n = 400
+def half_sphere(n: int) -> np.ndarray:
+    """n² directions about +z, (n², 3), each of the same share of cos dω."""
     cosine = np.sqrt((np.arange(n) + 0.5) / n)[:, None]
     phi = 2 * np.pi * (np.arange(n) + 0.5) / n
     sine = np.sqrt(1 - cosine**2)
-    light = np.stack(
+    return np.stack(
         [sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(cosine, (n, n))], axis=-1
     ).reshape(-1, 3)
+
+
+def albedo(paint: Paint, view: np.ndarray, seen: object = None) -> np.ndarray:
+    """Integral of f cos over the half sphere (or the part that `seen` keeps): the RGB radiance
+    under a world of radiance 1."""
+    light = half_sphere(400)
     normal = np.broadcast_to([0.0, 0.0, 1.0], light.shape)
     views = np.broadcast_to(view, light.shape)
     f = core.flake_brdf(core_paint(paint), normal, views, light)
     kept = np.ones(len(light)) if seen is None else seen(light)
-    return (f * kept[:, None]).sum(axis=0) * np.pi / n**2
+    return (f * kept[:, None]).mean(axis=0) * np.pi
 
 
 def pixels(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,14 +136,7 @@ def radiance_of_lamp(probe: verify.Probe, lamp: bpy.types.Object) -> float:
     painted, plane.data.materials[0] = plane.data.materials[0], white
     shown = float(verify.render(probe.scene).mean())
     plane.data.materials[0] = painted
-    n = 1000
-    cosine = np.sqrt((np.arange(n) + 0.5) / n)[:, None]
-    phi = 2 * np.pi * (np.arange(n) + 0.5) / n
-    sine = np.sqrt(1 - cosine**2)
-    light = np.stack(
-        [sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(cosine, (n, n))], axis=-1
-    ).reshape(-1, 3)
-    return shown / shines(lamp)(light).mean()
+    return shown / shines(lamp)(half_sphere(1000)).mean()
 
 
 @pytest.mark.parametrize("k", range(len(PAINTS)))
