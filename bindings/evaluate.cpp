@@ -16,13 +16,18 @@ namespace {
 py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
                   py::handle positions, py::handle normals, py::handle views, py::handle footprints,
                   py::handle pixels, const std::optional<CoatingTable<double>>& coating,
-                  py::handle slant_depths, const std::string& precision) {
+                  py::handle slant_depths, const std::string& precision, py::handle species_index) {
   if (lights.size() > kLightSlots) {
     throw py::value_error("lights holds " + std::to_string(lights.size()) +
                           ", but must hold at most " + std::to_string(kLightSlots));
   }
   if (precision != "float" && precision != "double") {
     throw py::value_error("precision is '" + precision + "', but must be 'float' or 'double'");
+  }
+  const int species = from_python<int>("species", species_index, kInt32);
+  if (species < 0 || species >= kSpecies) {
+    throw py::value_error("species is " + std::to_string(species) + ", but must be from 0 to " +
+                          std::to_string(kSpecies - 1));
   }
   const Array<double> position = numbers("position", positions);
   const Array<double> normal = numbers("normal", normals);
@@ -60,10 +65,11 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
     const py::gil_scoped_release released;
     metallic_paint::validate(batch, lights.size());
     const CoatingTable<double>* table = coating ? &*coating : nullptr;
+    const auto at = static_cast<std::size_t>(species);
     if (precision == "float") {
-      evaluate_pixels<float>(paint, table, lights, batch, results);
+      evaluate_pixels<float>(paint, table, lights, at, batch, results);
     } else {
-      evaluate_pixels<double>(paint, table, lights, batch, results);
+      evaluate_pixels<double>(paint, table, lights, at, batch, results);
     }
   }
   py::dict all;
@@ -83,19 +89,21 @@ void bind_evaluate(py::module_& module) {
   module.def("evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
              py::arg("pixel"), py::arg("coating") = py::none(), py::arg("slant_depth") = py::none(),
-             py::arg("precision") = "double",
+             py::arg("precision") = "double", py::arg("species") = 0,
              R"doc(The sparkles of up to 8 lights in n pixels, on all cores.
 
 position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
 for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
 in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-number, paint.frame and paint.seed alone. coating replaces the paint's flake colours.
+number, species, paint.frame and paint.seed alone. coating replaces the colours of the first
+species.
 slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
 "float" repeats the shader operation by operation; "double" is the reference.
 
 A dict over pixels and lights: leader, the light whose cone and sparkles this one shares, -1 if
-it is below the surface; mean_count, slots (0 Poisson, k binomial) and count of sparkles; radiance,
-its mean and variance (n, m, 3), per unit of the light's irradiance on a plane normal to it, 1/sr.
+it is below the surface; mean_count, slots (0 Poisson, k binomial) and count of the sparkles of
+the flake species asked for; radiance, its mean and variance (n, m, 3), of all species, per unit of
+the light's irradiance on a plane normal to it, 1/sr.
 mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
 narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc");
 }

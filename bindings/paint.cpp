@@ -14,6 +14,8 @@
 namespace py = pybind11;
 using metallic_paint::CoatingTable;
 using metallic_paint::DepthModel;
+using metallic_paint::Diffraction;
+using metallic_paint::FlakeSpecies;
 using metallic_paint::Orientation;
 using metallic_paint::Paint;
 using metallic_paint::Radiometry;
@@ -23,23 +25,41 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-template <auto field>
-void def_field(py::class_<Paint>& cls, const char* name, const char* range) {
-  using T = std::remove_cvref_t<decltype(std::declval<Paint>().*field)>;
+template <auto field, class Class>
+void def_field(Class& cls, const char* name, const char* range) {
+  using C = typename Class::type;
+  using T = std::remove_cvref_t<decltype(std::declval<C>().*field)>;
   cls.def_property(
-      name, [](const Paint& p) { return p.*field; },
-      [name, range](Paint& p, py::handle v) { p.*field = from_python<T>(name, v, range); });
+      name, [](const C& c) { return c.*field; },
+      [name, range](C& c, py::handle v) { c.*field = from_python<T>(name, v, range); });
 }
 
 // A colour field as a tuple of three floats.
-template <Rgb<double> Paint::* field>
-void def_colour(py::class_<Paint>& cls, const char* name) {
+template <auto field, class Class>
+void def_colour(Class& cls, const char* name) {
+  using C = typename Class::type;
   cls.def_property(
-      name, [](const Paint& p) { return py::make_tuple((p.*field).x, (p.*field).y, (p.*field).z); },
-      [name](Paint& p, py::handle value) {
+      name, [](const C& c) { return py::make_tuple((c.*field).x, (c.*field).y, (c.*field).z); },
+      [name](C& c, py::handle value) {
         const Triple v = from_python<Triple>(name, value, kThreeNumbers);
-        p.*field = {v[0], v[1], v[2]};
+        c.*field = {v[0], v[1], v[2]};
       });
+}
+
+// An object of that class with these fields.
+template <class C>
+C from_keywords(const py::kwargs& fields) {
+  py::object self = py::cast(C{});
+  const py::object type = py::type::of<C>();
+  for (const auto& [name, value] : fields) {
+    const py::object field = py::getattr(type, name, py::none());
+    if (!PyObject_TypeCheck(field.ptr(), &PyProperty_Type)) {
+      throw py::type_error(py::cast<std::string>(type.attr("__name__")) + " has no field " +
+                           py::cast<std::string>(name));
+    }
+    self.attr(name) = value;
+  }
+  return self.cast<C>();
 }
 
 std::vector<Rgb<double>> colours(const char* field, py::handle value) {
@@ -75,34 +95,48 @@ void bind_paint(py::module_& module) {
       .value("published", Radiometry::published)
       .finalize();
 
-  py::class_<Paint> paint(
-      module, "Paint",
-      R"doc(A paint in real units; the defaults are the shader's. See struct Paint in core/paint.h.
+  py::native_enum<Diffraction>(
+      module, "Diffraction", "enum.IntEnum",
+      R"doc(What a flake's edge adds to its spread: nothing, or the diffraction by a disc.)doc")
+      .value("none", Diffraction::none)
+      .value("disc", Diffraction::disc)
+      .finalize();
 
-Fields given as keywords are checked on construction, all fields again on use.)doc");
+  py::class_<FlakeSpecies> species(
+      module, "FlakeSpecies",
+      R"doc(One species of flakes, in real units: see struct FlakeSpecies in core/paint.h.
+
+The fields are checked when a Paint is.)doc");
+  species.def(py::init(&from_keywords<FlakeSpecies>));
+  def_field<&FlakeSpecies::flakes_per_mm2>(species, "flakes_per_mm2", kNumber);
+  def_field<&FlakeSpecies::flake_diameter_um>(species, "flake_diameter_um", kNumber);
+  def_field<&FlakeSpecies::flake_area_spread>(species, "flake_area_spread", kNumber);
+  def_field<&FlakeSpecies::orientation>(species, "orientation",
+                                        "Orientation.gaussian, .beckmann or .ggx");
+  def_field<&FlakeSpecies::tilt>(species, "tilt", kNumber);
+  def_field<&FlakeSpecies::flake_spread>(species, "flake_spread", kNumber);
+  def_colour<&FlakeSpecies::flake_color>(species, "flake_color");
+  def_colour<&FlakeSpecies::flake_edge_color>(species, "flake_edge_color");
+  def_colour<&FlakeSpecies::flake_transmission>(species, "flake_transmission");
+
+  py::class_<Paint, FlakeSpecies> paint(
+      module, "Paint",
+      R"doc(A paint in real units; the defaults are the shader's, but without diffraction. See struct
+Paint in core/paint.h.
+
+Its own flakes are the first species; more holds the two others. Fields given as keywords are
+checked on construction, all fields again on use.)doc");
   paint
       .def(py::init([](const py::kwargs& fields) {
-        py::object self = py::cast(Paint{});
-        for (const auto& [name, value] : fields) {
-          const py::object field = py::getattr(py::type::of<Paint>(), name, py::none());
-          if (!PyObject_TypeCheck(field.ptr(), &PyProperty_Type)) {
-            throw py::type_error("Paint has no field " + py::cast<std::string>(name));
-          }
-          self.attr(name) = value;
-        }
-        const Paint complete = self.cast<Paint>();
+        const Paint complete = from_keywords<Paint>(fields);
         metallic_paint::validate(complete);
         return complete;
       }))
       .def(
           "validate", [](const Paint& p) { metallic_paint::validate(p); },
           R"doc(Raises ValueError where a field is out of its range.)doc");
-  def_field<&Paint::flakes_per_mm2>(paint, "flakes_per_mm2", kNumber);
-  def_field<&Paint::flake_diameter_um>(paint, "flake_diameter_um", kNumber);
-  def_field<&Paint::flake_area_spread>(paint, "flake_area_spread", kNumber);
-  def_field<&Paint::orientation>(paint, "orientation", "Orientation.gaussian, .beckmann or .ggx");
-  def_field<&Paint::tilt>(paint, "tilt", kNumber);
-  def_field<&Paint::flake_spread>(paint, "flake_spread", kNumber);
+  def_field<&Paint::more>(paint, "more", "two FlakeSpecies");
+  def_field<&Paint::diffraction>(paint, "diffraction", "Diffraction.none or .disc");
   def_field<&Paint::binder_ior>(paint, "binder_ior", kNumber);
   def_field<&Paint::layer_thickness_um>(paint, "layer_thickness_um", kNumber);
   def_field<&Paint::rayleigh_per_mm>(paint, "rayleigh_per_mm", kNumber);
@@ -110,9 +144,6 @@ Fields given as keywords are checked on construction, all fields again on use.)d
   def_field<&Paint::radiometry>(paint, "radiometry", "Radiometry.exact or .published");
   def_field<&Paint::seed>(paint, "seed", kInt32);
   def_field<&Paint::frame>(paint, "frame", kInt32);
-  def_colour<&Paint::flake_color>(paint, "flake_color");
-  def_colour<&Paint::flake_edge_color>(paint, "flake_edge_color");
-  def_colour<&Paint::flake_transmission>(paint, "flake_transmission");
   def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");
 
   py::class_<CoatingTable<double>>(

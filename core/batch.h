@@ -69,41 +69,42 @@ struct PixelBatch {
   const double* slant = nullptr;  // n x lights x 3: optical depth t H in place of the layer's own
 };
 struct PixelResults {
-  std::int32_t* leader;   // n x lights
-  std::int32_t* slots;    // n x lights: 0 for a Poisson count, k for a binomial one
-  double* mean_count;     // n x lights; 0 for a light that does not lead
-  double* count;          // n x lights
-  double* radiance;       // n x lights x 3: T, the leader's
-  double* mean_radiance;  // n x lights x 3
-  double* variance;       // n x lights x 3
+  std::int32_t* leader;  // n x lights
+  // n x lights, of the flakes of one species; 0 for a light that does not lead.
+  std::int32_t* slots;  // 0 for a Poisson count, k for a binomial one
+  double* mean_count;
+  double* count;
+  // n x lights x 3, the leader's, of all species.
+  double* radiance;  // T
+  double* mean_radiance;
+  double* variance;
 };
 
 // Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference.
+// `coating` takes the place of the first species' colours; the counts are those of `species`.
 template <class T>
 void evaluate_pixels(const Paint& paint, const CoatingTable<double>* coating,
-                     const std::vector<Light<double>>& lights, const PixelBatch& batch,
-                     const PixelResults& results) {
+                     const std::vector<Light<double>>& lights, std::size_t species,
+                     const PixelBatch& batch, const PixelResults& results) {
   Layer<T> layer = make_layer<T>(paint);
   CoatingTable<T> table;
   if (coating != nullptr) {
     for (const Rgb<double>& r : coating->reflectance) table.reflectance.push_back(Rgb<T>(r));
     for (const Rgb<double>& t : coating->transmittance) table.transmittance.push_back(Rgb<T>(t));
-    layer.coating.table = &table;
+    layer.flakes[0].coating.table = &table;
   }
   // <t_p> of a table is a double integral: tabulated over the cosine, as the paper does.
   std::optional<ProjectionTable<T>> projection;
   if (coating != nullptr) {
-    projection.emplace(layer.orientation, layer.coating, kProjectionIntervals);
-    layer.projection_table = &*projection;
+    projection.emplace(layer.flakes[0].orientation, layer.flakes[0].coating, kProjectionIntervals);
+    layer.flakes[0].projection_table = &*projection;
   }
   std::vector<Light<T>> slots;
-  std::vector<HashWords> keys;
   for (const Light<double>& light : lights) {
     slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
-    keys.push_back(paint_stream(paint, static_cast<int>(keys.size())));
   }
   const auto vector_at = [](const double* array, std::size_t i) {
     return Vec3<T>{static_cast<T>(array[3 * i]), static_cast<T>(array[3 * i + 1]),
@@ -136,20 +137,19 @@ void evaluate_pixels(const Paint& paint, const CoatingTable<double>* coating,
         }
         continue;
       }
-      ExpectedSparkles<T> expected;
+      PixelSparkles<T> all;
       if (leads) {
         const Rgb<T> slant = batch.slant != nullptr ? vector_at(batch.slant, at) : Rgb<T>{};
-        expected = expect_sparkles(layer, point, view.seen[light],
-                                   batch.slant != nullptr ? &slant : nullptr);
+        const Passage<T> way =
+            pass_between(layer, point, view.seen[light], batch.slant != nullptr ? &slant : nullptr);
+        all = sparkle(layer, point, way, static_cast<int>(light), paint.frame, paint.seed);
       }
-      const Sparkles<T> drawn =
-          draw_sparkles(expected, layer.area_spread, keys[light], point.pixel_x, point.pixel_y);
-      results.slots[at] = expected.slots;
-      results.mean_count[at] = static_cast<double>(expected.mean_count);
-      results.count[at] = static_cast<double>(drawn.count);
-      store(results.radiance, at, drawn.radiance);
-      store(results.mean_radiance, at, mean_radiance(expected));
-      store(results.variance, at, radiance_variance(expected));
+      results.slots[at] = all.expected[species].slots;
+      results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
+      results.count[at] = static_cast<double>(all.count[species]);
+      store(results.radiance, at, all.radiance);
+      store(results.mean_radiance, at, all.mean_radiance);
+      store(results.variance, at, all.variance);
     }
   });
 }

@@ -12,15 +12,23 @@
 
 namespace metallic_paint {
 
+// Between the ends of (0, 1), where rounding may put a share of an interval.
+template <class T>
+T inside_unit(T x) {
+  return std::clamp(x, T(1e-7), T(1) - T(1e-7));
+}
+
 template <class T>
 struct MirroredSample {
   Vec3<T> direction;  // outside, unit, away from the surface
   Rgb<T> weight{};    // what it shows of the radiance from there; 0 if it shows nothing
+  T tilt{};           // of the species that it is of
 };
 
-// A flake's normal m drawn from p, so the direction outside has the density q = p/(4 |v . m|)
-// cos(theta')/(eta^2 cos(theta'_p)) (mirror law, then refraction), and
-//   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r').
+// A flake of a species drawn by covered area, and its normal m drawn from p, so the direction
+// outside has the density q = p/(4 |v . m|) cos(theta')/(eta^2 cos(theta'_p)) (mirror law, then
+// refraction), and
+//   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r'), <S> over all species.
 // u, w: uniform deviates in (0, 1). Unlike the sparkles' headers, the shader's copy repeats this in
 // the mean and not bit for bit: OSL's own sin and cos place the azimuth.
 template <class T>
@@ -32,8 +40,19 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   const T g_view = eta_cos_refracted(cos_view, eta);
   if (!(g_view > 0)) return sample;
   const Vec3<T> v = (view + normal * (g_view - cos_view)) / eta;
+  if (!(layer.coverage > 0)) return sample;
 
-  const SampledTilt<T> tilt = sample_tilt(layer.orientation, u);
+  // u picks the species, and what is left of it the tilt.
+  T at = u * layer.coverage;
+  std::size_t i = 0;
+  while (i + 1 < static_cast<std::size_t>(layer.species) && at >= layer.flakes[i].coverage) {
+    at = at - layer.flakes[i].coverage;
+    ++i;
+  }
+  const Flakes<T>& flakes = layer.flakes[i];
+  sample.tilt = flakes.orientation.tilt;
+  const T rest = layer.species > 1 ? inside_unit(at / std::max(flakes.coverage, T(1e-30))) : u;
+  const SampledTilt<T> tilt = sample_tilt(flakes.orientation, rest);
   const T h = tilt.sin2_half_beta;
   const T sin_beta = 2 * std::sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
   // Any two directions across the normal.
@@ -64,7 +83,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   // 1 - r goes to zero with the cosine of the exit, A with its inverse: neither overflows.
   const T scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
                   fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
-  sample.weight = coating_reflectance(layer.coating, cos_alpha) *
+  sample.weight = coating_reflectance(flakes.coating, cos_alpha) *
                   map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) * scale;
   return sample;
 }

@@ -94,10 +94,11 @@ Rgb<T> blocked_area(const OrientationDensity<T>& density, const Coating<T>& coat
   return grey(area) - mean_transmitted_area(density, coating, cos_theta);
 }
 
-// H tau(theta)/cos(theta): the optical depth of the whole layer along a slanted ray in the binder.
+// H tau(theta)/cos(theta): the optical depth of the whole layer along a slanted ray in the binder;
+// blocking is D H <S> (<s> - <t_p>).
 template <class T>
-Rgb<T> slant_depth(T coverage, Rgb<T> blocked, Rgb<T> binder_depth, T cos_theta) {
-  return (blocked * coverage + binder_depth) / std::max(cos_theta, T(kLeastCosine));
+Rgb<T> slant_depth(Rgb<T> blocking, Rgb<T> binder_depth, T cos_theta) {
+  return (blocking + binder_depth) / std::max(cos_theta, T(kLeastCosine));
 }
 
 }  // namespace metallic_paint

@@ -28,27 +28,42 @@ void require_sum(const std::string& field, Rgb<double> reflectance, Rgb<double> 
   if (most > 1 + 1e-6) reject(field, most, "at most 1 in every channel");
 }
 
+// name(field) is the field's name as the user knows it.
+template <class Name>
+void validate_species(const FlakeSpecies& flakes, const Name& name) {
+  require_range(name("flakes_per_mm2"), flakes.flakes_per_mm2, 0, 1e9, " 1/mm2");
+  require_range(name("flake_diameter_um"), flakes.flake_diameter_um, 1e-3, 1e5, " um");
+  require_range(name("flake_area_spread"), flakes.flake_area_spread, 0, 100);
+  if (flakes.orientation == Orientation::gaussian) {
+    require_range(name("tilt"), flakes.tilt, 1e-6, 100, " rad (gaussian)");
+  } else if (flakes.orientation == Orientation::beckmann ||
+             flakes.orientation == Orientation::ggx) {
+    require_range(name("tilt"), flakes.tilt, 1e-6, 1, " (roughness of beckmann and ggx)");
+  } else {
+    reject(name("orientation"), static_cast<double>(flakes.orientation),
+           "0 (gaussian), 1 (beckmann) or 2 (ggx)");
+  }
+  require_range(name("flake_spread"), flakes.flake_spread, 0, 0.5, " rad");
+  const std::string color = name("flake_color"), edge = name("flake_edge_color"),
+                    transmission = name("flake_transmission");
+  require_colour(color, flakes.flake_color, 1);
+  require_colour(edge, flakes.flake_edge_color, 1);
+  require_colour(transmission, flakes.flake_transmission, 1);
+  require_sum(color + " + " + transmission, flakes.flake_color, flakes.flake_transmission);
+  require_sum(edge + " + " + transmission, flakes.flake_edge_color, flakes.flake_transmission);
+}
+
 }  // namespace
 
 void validate(const Paint& paint) {
-  require_range("flakes_per_mm2", paint.flakes_per_mm2, 0, 1e9, " 1/mm2");
-  require_range("flake_diameter_um", paint.flake_diameter_um, 1e-3, 1e5, " um");
-  require_range("flake_area_spread", paint.flake_area_spread, 0, 100);
-  if (paint.orientation == Orientation::gaussian) {
-    require_range("tilt", paint.tilt, 1e-6, 100, " rad (gaussian)");
-  } else if (paint.orientation == Orientation::beckmann || paint.orientation == Orientation::ggx) {
-    require_range("tilt", paint.tilt, 1e-6, 1, " (roughness of beckmann and ggx)");
-  } else {
-    reject("orientation", static_cast<double>(paint.orientation),
-           "0 (gaussian), 1 (beckmann) or 2 (ggx)");
+  validate_species(paint, [](const char* field) { return std::string(field); });
+  for (std::size_t i = 0; i < paint.more.size(); ++i) {
+    validate_species(paint.more[i],
+                     [i](const char* field) { return at_row("more", i) + "." + field; });
   }
-  require_range("flake_spread", paint.flake_spread, 0, 0.5, " rad");
-  require_colour("flake_color", paint.flake_color, 1);
-  require_colour("flake_edge_color", paint.flake_edge_color, 1);
-  require_colour("flake_transmission", paint.flake_transmission, 1);
-  require_sum("flake_color + flake_transmission", paint.flake_color, paint.flake_transmission);
-  require_sum("flake_edge_color + flake_transmission", paint.flake_edge_color,
-              paint.flake_transmission);
+  if (paint.diffraction != Diffraction::none && paint.diffraction != Diffraction::disc) {
+    reject("diffraction", static_cast<double>(paint.diffraction), "0 (none) or 1 (disc)");
+  }
   require_range("binder_ior", paint.binder_ior, 0.1, 10);
   require_range("layer_thickness_um", paint.layer_thickness_um, 0, 1e6, " um");
   require_colour("binder_absorption_per_mm", paint.binder_absorption_per_mm, 1e6, " 1/mm");

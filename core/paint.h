@@ -4,6 +4,8 @@
 // The parameters are those of osl/metallic_paint.osl, one for one.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
@@ -13,17 +15,28 @@
 
 namespace metallic_paint {
 
-struct Paint {
+// One species of flakes.
+struct FlakeSpecies {
   double flakes_per_mm2 = 3000;    // flakes per mm2 of painted surface (D H), 0 to 1e9
   double flake_diameter_um = 20;   // of a disc of the mean flake area, 1e-3 to 1e5 um
   double flake_area_spread = 0.3;  // standard deviation of the flake area over its mean, 0 to 100
   Orientation orientation = Orientation::gaussian;
   double tilt = 0.15;  // gaussian: radians, 1e-6 to 100; beckmann, ggx: roughness, 1e-6 to 1
-  double flake_spread =
-      0.005;  // angular radius by which a flake spreads light in the binder, 0 to 0.5 rad
-  Rgb<double> flake_color{0.91, 0.92, 0.92};      // reflectance at normal incidence, 0 to 1
-  Rgb<double> flake_edge_color{1, 1, 1};          // reflectance at grazing incidence, 0 to 1
-  Rgb<double> flake_transmission{0, 0, 0};        // transmittance, 0 to 1 less either of them
+  // Angular radius by which the flake, being wavy, spreads light in the binder, 0 to 0.5 rad.
+  double flake_spread = 0.005;
+  Rgb<double> flake_color{0.91, 0.92, 0.92};  // reflectance at normal incidence, 0 to 1
+  Rgb<double> flake_edge_color{1, 1, 1};      // reflectance at grazing incidence, 0 to 1
+  Rgb<double> flake_transmission{0, 0, 0};    // transmittance, 0 to 1 less either of them
+};
+
+// What the flake's edge adds to its spread: nothing, or the diffraction by a disc.
+enum class Diffraction { none = 0, disc = 1 };
+
+// The first species is the paint's own; most paints have no other.
+struct Paint : FlakeSpecies {
+  std::array<FlakeSpecies, kSpecies - 1> more{FlakeSpecies{.flakes_per_mm2 = 0},
+                                              FlakeSpecies{.flakes_per_mm2 = 0}};
+  Diffraction diffraction = Diffraction::none;    // the add-on's paints have disc
   double binder_ior = 1.5;                        // relative to the surroundings, 0.1 to 10
   double layer_thickness_um = 30;                 // of the flake layer (H), 0 to 1e6 um
   Rgb<double> binder_absorption_per_mm{0, 0, 0};  // kappa, 0 to 1e6 1/mm
@@ -32,6 +45,10 @@ struct Paint {
   Radiometry radiometry = Radiometry::exact;
   int seed = 0;
   int frame = 0;
+
+  const FlakeSpecies& species(int i) const {
+    return i == 0 ? *this : more[static_cast<std::size_t>(i - 1)];
+  }
 };
 
 // Throws std::invalid_argument with a sentence that names the field, its value and the allowed
@@ -49,22 +66,47 @@ void validate_beta(double beta);
 void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction);
 void validate_int32(const std::string& field, std::size_t row, double value);
 
+// A plane mirror of area S turns a plane wave into one that has the brightness S/lambda^2 of its
+// flux per steradian in the middle: that of a cone of solid angle lambda^2/S, pi epsilon^2 =
+// lambda^2/(pi d^2/4). So epsilon = 2 lambda/(pi d), with lambda = 550 nm/eta in the binder; at
+// most 0.5 rad, where d is no longer large against lambda.
+template <class T>
+T diffraction_spread(T diameter_um, T eta) {
+  return std::min(T(0.350140874801697521L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
+}
+
+template <class T>
+Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffraction) {
+  Flakes<T> flakes;
+  flakes.areal_density = static_cast<T>(species.flakes_per_mm2) * T(1e6);
+  const T diameter_um = static_cast<T>(species.flake_diameter_um);
+  const T diameter = diameter_um * T(1e-6);
+  flakes.flake_area = T(0.785398163397448309616L) * (diameter * diameter);
+  flakes.area_spread = static_cast<T>(species.flake_area_spread);
+  flakes.area = area_moments(flakes.area_spread);
+  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
+  flakes.orientation = make_orientation(species.orientation, static_cast<T>(species.tilt));
+  const T spread = static_cast<T>(species.flake_spread);
+  const T edge = diffraction == Diffraction::disc ? diffraction_spread(diameter_um, eta) : T(0);
+  flakes.solid_angle = std::numbers::pi_v<T> * (spread * spread + edge * edge);
+  flakes.coating = {Rgb<T>(species.flake_color), Rgb<T>(species.flake_edge_color),
+                    Rgb<T>(species.flake_transmission)};
+  return flakes;
+}
+
 // The paint as the evaluation needs it; the operations are the shader's. `paint` must be valid.
 template <class T>
 Layer<T> make_layer(const Paint& paint) {
   Layer<T> layer;
-  layer.areal_density = static_cast<T>(paint.flakes_per_mm2) * T(1e6);
-  const T diameter = static_cast<T>(paint.flake_diameter_um) * T(1e-6);
-  layer.flake_area = T(0.785398163397448309616L) * (diameter * diameter);
-  layer.area_spread = static_cast<T>(paint.flake_area_spread);
-  layer.area = area_moments(layer.area_spread);
-  layer.coverage = layer.areal_density * layer.flake_area * layer.area.mean;
-  layer.orientation = make_orientation(paint.orientation, static_cast<T>(paint.tilt));
-  const T spread = static_cast<T>(paint.flake_spread);
-  layer.flake_solid_angle = std::numbers::pi_v<T> * (spread * spread);
-  layer.coating = {Rgb<T>(paint.flake_color), Rgb<T>(paint.flake_edge_color),
-                   Rgb<T>(paint.flake_transmission)};
   layer.eta = static_cast<T>(paint.binder_ior);
+  layer.species = 1;
+  layer.coverage = 0;
+  for (int i = 0; i < kSpecies; ++i) {
+    Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
+    if (flakes.areal_density > 0) layer.species = i + 1;
+    layer.coverage += flakes.coverage;
+  }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
   layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) *
                        (static_cast<T>(paint.layer_thickness_um) * T(0.001));
@@ -73,9 +115,9 @@ Layer<T> make_layer(const Paint& paint) {
   return layer;
 }
 
-// The stream of deviates of a light slot (0-based) in this paint; one flake species so far.
-inline HashWords paint_stream(const Paint& paint, int light) {
-  return stream_key(light, 0, paint.frame, paint.seed);
+// The stream of deviates of a light slot and a species (both 0-based) in this paint.
+inline HashWords paint_stream(const Paint& paint, int light, int species = 0) {
+  return stream_key(light, species, paint.frame, paint.seed);
 }
 
 }  // namespace metallic_paint

@@ -21,6 +21,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -47,25 +48,35 @@ enum class DepthModel { attenuated = 0, thinned = 1 };
 // the same count and ceiling as exact.
 enum class Radiometry { exact = 0, published = 1 };
 
+// One species of flakes. SI units.
+template <class T>
+struct Flakes {
+  T areal_density{};      // D H, flakes per m2 of paint
+  T flake_area{};         // mean of the area's normal deviate, m2
+  T area_spread{};        // its standard deviation over its mean
+  AreaMoments<T> area{};  // moments of the area in units of flake_area
+  T coverage{};           // D H <S>
+  OrientationDensity<T> orientation{};
+  T solid_angle{};  // pi epsilon^2: what the flake itself adds to the light's cone, sr in the
+                    // binder
+  Coating<T> coating{};
+  // The paper's tables, in place of the exact functions where they are given.
+  const OrientationTable<T>* orientation_table = nullptr;  // P(beta)
+  const ProjectionTable<T>* projection_table = nullptr;    // <s> - <t_p>
+};
+
+inline constexpr int kSpecies = 3;
+
 // A paint as the evaluation needs it. SI units; made and checked by `make_layer` (paint.h).
 template <class T>
 struct Layer {
-  T areal_density;      // D H, flakes per m2 of paint
-  T flake_area;         // mean of the area's normal deviate, m2
-  T area_spread;        // its standard deviation over its mean
-  AreaMoments<T> area;  // moments of the area in units of flake_area
-  T coverage;           // D H <S>
-  OrientationDensity<T> orientation;
-  T flake_solid_angle;  // pi epsilon^2: what the flake itself adds to the light's cone, sr in the
-                        // binder
-  Coating<T> coating;
+  std::array<Flakes<T>, kSpecies> flakes;
+  int species;  // so many of them are in use
+  T coverage;   // of all species together
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   DepthModel depth_model;
   Radiometry radiometry;
-  // The paper's tables, in place of the exact functions where they are given.
-  const OrientationTable<T>* orientation_table = nullptr;  // P(beta)
-  const ProjectionTable<T>* projection_table = nullptr;    // <s> - <t_p>
 };
 
 // Where the paint is looked at. The view is a unit vector towards the observer.
@@ -94,31 +105,86 @@ struct Sparkles {
   Rgb<T> radiance{};  // T
 };
 
-// P(beta) of the layer's flakes.
+// P(beta) of the flakes.
 template <class T>
-Wide<T> flake_density(const Layer<T>& layer, Wide<T> sin2_half_beta) {
-  if (layer.orientation_table == nullptr) {
-    return orientation_density(layer.orientation, sin2_half_beta);
+Wide<T> flake_density(const Flakes<T>& flakes, Wide<T> sin2_half_beta) {
+  if (flakes.orientation_table == nullptr) {
+    return orientation_density(flakes.orientation, sin2_half_beta);
   }
-  return layer.orientation_table->at(static_cast<T>(sin2_half_beta));
+  return flakes.orientation_table->at(static_cast<T>(sin2_half_beta));
 }
 
 // Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
 // Published: P at the centre of the cone, as in the paper's eq. 4, but at most 1.
 template <class T>
-Wide<T> flake_probability(const Layer<T>& layer, Wide<T> sin2_half_beta, Wide<T> sin2_half_rho) {
-  if (layer.radiometry == Radiometry::exact && layer.orientation_table == nullptr) {
-    return cap_probability(layer.orientation, sin2_half_beta, sin2_half_rho);
+Wide<T> flake_probability(const Flakes<T>& flakes, Radiometry radiometry, Wide<T> sin2_half_beta,
+                          Wide<T> sin2_half_rho) {
+  if (radiometry == Radiometry::exact && flakes.orientation_table == nullptr) {
+    return cap_probability(flakes.orientation, sin2_half_beta, sin2_half_rho);
   }
-  return std::min(2 * flake_density(layer, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
+  return std::min(2 * flake_density(flakes, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
+}
+
+// D H <S> (<s> - <t_p>) of all species: what the flakes take out of a beam, per colour, times its
+// cosine in the binder.
+template <class T>
+Rgb<T> flake_blocking(const Layer<T>& layer, T cos_in) {
+  Rgb<T> sum{};
+  for (int i = 0; i < layer.species; ++i) {
+    const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    sum = sum + blocked_area(flakes.orientation, flakes.coating, flakes.projection_table, cos_in) *
+                    flakes.coverage;
+  }
+  return sum;
 }
 
 // The optical depth of the layer along view and light, given the cosines in the binder.
 template <class T>
 Rgb<T> slant_depth_of(const Layer<T>& layer, T cos_in) {
-  return slant_depth(layer.coverage,
-                     blocked_area(layer.orientation, layer.coating, layer.projection_table, cos_in),
-                     layer.binder_depth, cos_in);
+  return slant_depth(flake_blocking(layer, cos_in), layer.binder_depth, cos_in);
+}
+
+// What the flakes of all species share: the way of a light through this point to the observer.
+template <class T>
+struct Passage {
+  bool open = false;  // false: no flake can send this light to the observer
+  Mirror<Wide<T>> mirror{};
+  Wide<T> inside{}, ratio{};  // the light's cone in the binder, sr; that over its cone outside
+  Wide<T> surface{};          // transmittance of the surface, in and out
+  T cos_exit{};               // cosine of the exit by which flakes cover the pixel
+  Rgb<T> slant{};             // optical depth of the layer, there and back: t H
+};
+
+// `slant` overrides the layer's own optical depth t H where it is given (validation against other
+// codes).
+template <class T>
+Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
+                        const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
+  using W = Wide<T>;
+  constexpr W pi = std::numbers::pi_v<W>;
+  Passage<T> way;
+  const bool published = layer.radiometry == Radiometry::published;
+  if (!light.visible || !(point.footprint > 0)) return way;
+  const W eta = layer.eta;
+  way.mirror = mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
+  way.open = way.mirror.possible;  // a light or an observer below the surface: no sparkle
+  if (!way.open) return way;
+  const T cos_view_in = static_cast<T>(std::min(way.mirror.g_view / eta, W(1)));
+  const T cos_light_in = static_cast<T>(std::min(way.mirror.g_light / eta, W(1)));
+  way.cos_exit = published ? static_cast<T>(way.mirror.cos_view) : cos_view_in;
+
+  // The light's cone in the binder (paper, eq. 7). Published: pi Delta_a^2; exact: the true solid
+  // angle 4 pi sin^2(Delta_a/2).
+  const W h = light.sin2_half_radius;
+  const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
+  way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  way.inside = outside * way.ratio;
+  way.slant = slant != nullptr
+                  ? *slant
+                  : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  way.surface = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
+                fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
+  return way;
 }
 
 // A pixel that one flake can fill (ours). Where fewer than this many mean flakes fill the pixel,
@@ -132,62 +198,45 @@ inline constexpr double kLeastCone = 1e-100;
 template <>
 inline constexpr double kLeastCone<float> = 1e-18;
 
-// `slant` overrides the layer's own optical depth t H where it is given (validation against other
-// codes).
+// The sparkles of one species.
 template <class T>
-ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>& point,
-                                    const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
+                                    const Passage<T>& way) {
   using W = Wide<T>;
   constexpr W pi = std::numbers::pi_v<W>;
   ExpectedSparkles<T> expected;
-  const bool published = layer.radiometry == Radiometry::published;
-  if (!light.visible || !(point.footprint > 0)) return expected;
-  const W eta = layer.eta;
-  const Mirror<W> mirror =
-      mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
-  if (!mirror.possible) return expected;  // a light or an observer below the surface: no sparkle
-  const T cos_view_in = static_cast<T>(std::min(mirror.g_view / eta, W(1)));
-  const T cos_light_in = static_cast<T>(std::min(mirror.g_light / eta, W(1)));
-  const T cos_alpha = static_cast<T>(mirror.cos_alpha);
+  if (!way.open) return expected;
+  const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
 
-  // The light's cone in the binder (paper, eq. 7) and the flake's own spread: Delta_eff^2 = Delta^2
-  // + epsilon^2. Published: pi Delta_a^2; exact: the true solid angle 4 pi sin^2(Delta_a/2).
-  const W h = light.sin2_half_radius;
-  const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
-  const W ratio = solid_angle_ratio(mirror.cos_light, mirror.g_light, eta);
-  W inside = outside * ratio + layer.flake_solid_angle;
+  // Delta_eff^2 = Delta^2 + epsilon^2
+  W inside = way.inside + flakes.solid_angle;
   if (!(inside > 0)) return expected;  // a point light on perfect mirrors: no flake ever meets it
-  inside = std::max(inside, W(kLeastCone<T>) * std::max(ratio, W(1)));
+  inside = std::max(inside, W(kLeastCone<T>) * std::max(way.ratio, W(1)));
 
   // Probability that a flake's normal lies in the quarter cone about n_f (paper, eq. 4).
-  const T probability = static_cast<T>(
-      flake_probability(layer, mirror.sin2_half_beta, inside / (16 * pi * mirror.cos_alpha)));
+  const T probability =
+      static_cast<T>(flake_probability(flakes, layer.radiometry, way.mirror.sin2_half_beta,
+                                       inside / (16 * pi * way.mirror.cos_alpha)));
 
-  // Optical depth there and back, and what it leaves on average of a beam to a random depth: A = (1
-  // - e^-tH)/tH.
-  expected.slant = slant != nullptr
-                       ? *slant
-                       : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
-  const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
-                    fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
   // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside
   // that belongs to `inside` is inside/ratio.
-  expected.ceiling = static_cast<T>(surface * ratio / inside);
-  expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
+  expected.ceiling = static_cast<T>(way.surface * way.ratio / inside);
+  expected.mirror = coating_reflectance(flakes.coating, cos_alpha) * expected.ceiling;
+  // What the layer leaves on average of a beam to a random depth is A = (1 - e^-tH)/tH.
+  expected.slant = way.slant;
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
-  const T cos_exit = published ? static_cast<T>(mirror.cos_view) : cos_view_in;
   // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
   // areas stay inside a float.
-  const T footprint = std::clamp(point.footprint, T(1e-20), T(1e6));
-  expected.fill = footprint * cos_exit / (layer.flake_area * cos_alpha);
-  expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
+  const T footprint = std::clamp(pixel_area, T(1e-20), T(1e6));
+  expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
+  expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
   T enlarged = 1;
-  if (expected.area.mean < layer.area.mean) enlarged = layer.area.mean / expected.area.mean;
+  if (expected.area.mean < flakes.area.mean) enlarged = flakes.area.mean / expected.area.mean;
   // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
-  expected.mean_count = layer.areal_density * footprint * enlarged * probability;
+  expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
 
-  const T places = expected.fill / layer.area.mean;
+  const T places = expected.fill / flakes.area.mean;
   if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(std::max(places, T(1)));
   const T slots = static_cast<T>(expected.slots);
   // More sparkles than the pixel has places for (a light about as wide as the tilt, seen from near)
@@ -208,8 +257,20 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
     expected.mean_count = slots;
   }
   // The paper's Bernoulli rule (step 3).
-  if (published && expected.slots == 0 && expected.mean_count < T(0.1)) expected.slots = 1;
+  if (layer.radiometry == Radiometry::published && expected.slots == 0 &&
+      expected.mean_count < T(0.1)) {
+    expected.slots = 1;
+  }
   return expected;
+}
+
+// Of one species, in one call.
+template <class T>
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>& point,
+                                    const SeenLight<T>& light, const Rgb<T>* slant = nullptr,
+                                    std::size_t species = 0) {
+  return expect_sparkles(layer, layer.flakes[species], point.footprint,
+                         pass_between(layer, point, light, slant));
 }
 
 // Mean and mean square of what one sparkle adds, per colour, relative to a filled, undimmed pixel:
@@ -231,10 +292,30 @@ Rgb<T> mean_radiance(const ExpectedSparkles<T>& expected) {
   return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
 }
 
+// Seen from so far that the radiance fluctuates by less than one step of 8 bits, 1/256, the mean
+// takes the place of the draw. On the way there, from twice that variance on, the fluctuation
+// fades: the share of it that is left.
+inline constexpr int kFarCount = 65536;
+template <class T>
+T fluctuation_left(const ExpectedSparkles<T>& expected) {
+  if (!(expected.mean_count > T(kFarCount / 2))) return 1;
+  // mean^2/variance, of the colour that fluctuates most
+  const Rgb<T> mean = mean_sparkle(expected), square = mean_square_sparkle(expected);
+  T least = expected.mean_count;
+  const auto add = [&](T m, T q) {
+    if (q > 0) least = std::min(least, expected.mean_count * (m * m / q));
+  };
+  add(mean.x, square.x);
+  add(mean.y, square.y);
+  add(mean.z, square.z);
+  return std::clamp(2 - least / T(kFarCount / 2), T(0), T(1));
+}
+
 // Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
 template <class T>
 Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
-  Rgb<T> variance = mean_square_sparkle(expected) * expected.mean_count;
+  const T left = fluctuation_left(expected);
+  Rgb<T> variance = mean_square_sparkle(expected) * (expected.mean_count * left * left);
   if (expected.slots > 0) {
     const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
     variance = variance - mean * mean / static_cast<T>(expected.slots);
@@ -290,6 +371,14 @@ Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, Ha
                           int pixel_x, int pixel_y) {
   Sparkles<T> sparkles;
   if (!(expected.mean_count > 0)) return sparkles;
+  const T left = fluctuation_left(expected);
+  // No pixel outshines the light in a mirror (ours).
+  const auto bounded = [&](Rgb<T> radiance) {
+    return map(radiance, [&](T t) { return std::min(std::max(t, T(0)), expected.ceiling); });
+  };
+  if (!(left > 0)) {
+    return {std::floor(expected.mean_count + T(0.5)), bounded(mean_radiance(expected))};
+  }
   const HashWords words = draw_words(key, pixel_x, pixel_y, 0);
   const T count =
       count_deviate(expected.mean_count, expected.slots, uniform_48<T>(words.x, words.y));
@@ -306,10 +395,44 @@ Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, Ha
     const T w = normal_quantile(uniform_48<T>(words.z, words.w));
     sum = map(expected.slant, [&](T x) { return sum_of_many(expected, x, count, w); });
   }
-  // No pixel outshines the light in a mirror (ours).
-  sparkles.radiance = map(expected.mirror * sum,
-                          [&](T t) { return std::min(std::max(t, T(0)), expected.ceiling); });
+  if (left < 1) {
+    const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
+    sum = mean + (sum - mean) * left;
+  }
+  sparkles.radiance = bounded(expected.mirror * sum);
   return sparkles;
+}
+
+// All species of a layer under one light in one pixel. Their sparkles are independent; together
+// too they do not outshine the light in a mirror.
+template <class T>
+struct PixelSparkles {
+  std::array<ExpectedSparkles<T>, kSpecies> expected{};
+  std::array<T, kSpecies> count{};
+  Rgb<T> radiance{}, mean_radiance{}, variance{};  // of all species
+};
+
+template <class T>
+PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point, const Passage<T>& way,
+                         int light, int frame, int seed) {
+  PixelSparkles<T> all;
+  T ceiling = 0;
+  for (int i = 0; i < layer.species; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    const Flakes<T>& flakes = layer.flakes[at];
+    const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, point.footprint, way);
+    const Sparkles<T> drawn =
+        draw_sparkles(expected, flakes.area_spread, stream_key(light, i, frame, seed),
+                      point.pixel_x, point.pixel_y);
+    all.expected[at] = expected;
+    all.count[at] = drawn.count;
+    all.radiance = all.radiance + drawn.radiance;
+    all.mean_radiance = all.mean_radiance + mean_radiance(expected);
+    all.variance = all.variance + radiance_variance(expected);
+    ceiling = std::max(ceiling, expected.ceiling);
+  }
+  all.radiance = map(all.radiance, [&](T t) { return std::min(t, ceiling); });
+  return all;
 }
 
 // The mean as a BRDF (1/sr): single scattering by the flakes under light of any size and kind,
@@ -322,15 +445,19 @@ Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> l
   const W eta = layer.eta;
   const Mirror<W> mirror = mirror_between(Vec3<W>(normal), Vec3<W>(view), Vec3<W>(light), eta);
   if (!mirror.possible) return {};
-  const W p = flake_density(layer, mirror.sin2_half_beta) / (2 * std::numbers::pi_v<W>);
   const Rgb<T> slant = slant_depth_of(layer, static_cast<T>(std::min(mirror.g_view / eta, W(1)))) +
                        slant_depth_of(layer, static_cast<T>(std::min(mirror.g_light / eta, W(1))));
-  const Rgb<T> colour = coating_reflectance(layer.coating, static_cast<T>(mirror.cos_alpha)) *
-                        map(slant, [](T x) { return mean_transmittance(x); });
   const W exit = layer.radiometry == Radiometry::published ? eta * mirror.cos_view : mirror.g_view;
   const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
                     fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
-  return colour * static_cast<T>(layer.coverage * p * surface / (4 * exit * mirror.g_light));
+  Rgb<T> sum{};
+  for (int i = 0; i < layer.species; ++i) {
+    const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    const W p = flake_density(flakes, mirror.sin2_half_beta) / (2 * std::numbers::pi_v<W>);
+    sum = sum + coating_reflectance(flakes.coating, static_cast<T>(mirror.cos_alpha)) *
+                    static_cast<T>(flakes.coverage * p * surface / (4 * exit * mirror.g_light));
+  }
+  return sum * map(slant, [](T x) { return mean_transmittance(x); });
 }
 
 }  // namespace metallic_paint

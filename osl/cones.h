@@ -60,10 +60,10 @@ closure color sparkle_cone(color radiance, vector view, vector direction, float 
 
 // What one random flake shows of all light but the listed, whose sparkles have cones of their own: a narrow cone, or a mirror
 // where a listed light is near, or nothing where one is met.
-closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen[8], int lights, float tilt)
+closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen[8], int lights)
 {
   closure color none = 0;
-  float rho = min(LOBE_SPREAD * tilt, WIDEST_LOBE);
+  float rho = min(LOBE_SPREAD * mirrored.tilt, WIDEST_LOBE);
   SeenLight towards;
   towards.direction = mirrored.direction;
   for (int i = 0; i < lights; ++i)

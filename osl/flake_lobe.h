@@ -9,14 +9,21 @@
 struct MirroredSample {
   vector direction;
   color weight;
+  float tilt;
 };
 
-MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_tilt,
+float inside_unit(float x)
+{
+  return clamp(x, 1e-7, 1.0 - 1e-7);
+}
+
+MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], vector n, vector view, float uniform_tilt,
                             float uniform_azimuth)
 {
   MirroredSample mirrored;
   mirrored.direction = n;
   mirrored.weight = color(0.0);
+  mirrored.tilt = 1.0;
   float eta = layer.eta;
   float cos_view = min(inner_product(n, view), 1.0);
   if (!(cos_view > LEAST_COSINE))
@@ -26,7 +33,21 @@ MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_ti
     return mirrored;
   vector inside = (view + n * (g_view - cos_view)) / eta;
 
-  SampledTilt tilt = sample_tilt(layer.orientation, uniform_tilt);
+  if (!(layer.coverage > 0.0))
+    return mirrored;
+  float rest = uniform_tilt;
+  int kind = 0;
+  if (layer.species > 1) {
+    float at = uniform_tilt * layer.coverage;
+    while (kind + 1 < layer.species && at >= flakes[kind].coverage) {
+      at = at - flakes[kind].coverage;
+      kind = kind + 1;
+    }
+    rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
+  }
+  Flakes some = flakes[kind];
+  mirrored.tilt = some.orientation.tilt;
+  SampledTilt tilt = sample_tilt(some.orientation, rest);
   float h = tilt.sin2_half_beta;
   float sin_beta = 2.0 * sqrt(h * (1.0 - h));
   float phi = M_2PI * uniform_azimuth;
@@ -55,13 +76,13 @@ MirroredSample sample_flake(Layer layer, vector n, vector view, float uniform_ti
 
   float cos_alpha = min(fabs(facing), 1.0);
   float cos_view_in = min(g_view / eta, 1.0);
-  color slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, min(along, 1.0));
+  color slant = slant_depth_of(layer, flakes, cos_view_in) + slant_depth_of(layer, flakes, min(along, 1.0));
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     exit = cos_view;
   float scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
                 fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
-  mirrored.weight = coating_reflectance(layer.coating, cos_alpha) *
+  mirrored.weight = coating_reflectance(some.coating, cos_alpha) *
                     (layer.coverage * mean_transmittance(slant)) * scale;
   return mirrored;
 }

@@ -13,7 +13,7 @@ color blocked_area(OrientationDensity density, Coating coating, float cos_theta)
   return (color(1.0) - coating.transmittance) * area;
 }
 
-color slant_depth(float coverage, color blocked, color binder_depth, float cos_theta)
+color slant_depth(color blocking, color binder_depth, float cos_theta)
 {
-  return (blocked * coverage + binder_depth) / max(cos_theta, LEAST_COSINE);
+  return (blocking + binder_depth) / max(cos_theta, LEAST_COSINE);
 }

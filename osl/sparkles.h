@@ -20,15 +20,23 @@
 #define DRAWN_SPARKLES 16
 #define LEAST_CONE 1e-18
 
-struct Layer {
+struct Flakes {
   float areal_density;
   float flake_area;
   float area_spread;
   AreaMoments area;
   float coverage;
   OrientationDensity orientation;
-  float flake_solid_angle;
+  float solid_angle;
   Coating coating;
+};
+
+#define SPECIES 3
+
+// The layer's flakes go beside it: Flakes flakes[SPECIES].
+struct Layer {
+  int species;
+  float coverage;
   float eta;
   color binder_depth;
   int depth_model;
@@ -59,10 +67,19 @@ struct Sparkles {
   color radiance;
 };
 
-color slant_depth_of(Layer layer, float cos_in)
+color flake_blocking(Layer layer, Flakes flakes[SPECIES], float cos_in)
 {
-  return slant_depth(layer.coverage, blocked_area(layer.orientation, layer.coating, cos_in),
-                     layer.binder_depth, cos_in);
+  color sum = color(0.0);
+  for (int i = 0; i < layer.species; ++i) {
+    Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
+    sum = sum + blocked_area(some.orientation, some.coating, cos_in) * some.coverage;
+  }
+  return sum;
+}
+
+color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float cos_in)
+{
+  return slant_depth(flake_blocking(layer, flakes, cos_in), layer.binder_depth, cos_in);
 }
 
 color mean_transmittance(color x)
@@ -70,63 +87,91 @@ color mean_transmittance(color x)
   return color(mean_transmittance(x[0]), mean_transmittance(x[1]), mean_transmittance(x[2]));
 }
 
-float flake_probability(Layer layer, float sin2_half_beta, float sin2_half_rho)
+float flake_probability(Flakes flakes, int radiometry, float sin2_half_beta, float sin2_half_rho)
 {
-  if (layer.radiometry == RADIOMETRY_EXACT)
-    return cap_probability(layer.orientation, sin2_half_beta, sin2_half_rho);
-  return min(2.0 * orientation_density(layer.orientation, sin2_half_beta) * sin2_half_rho, 1.0);
+  if (radiometry == RADIOMETRY_EXACT)
+    return cap_probability(flakes.orientation, sin2_half_beta, sin2_half_rho);
+  return min(2.0 * orientation_density(flakes.orientation, sin2_half_beta) * sin2_half_rho, 1.0);
 }
 
-ExpectedSparkles expect_sparkles(Layer layer, SurfacePoint surface, SeenLight light)
+struct Passage {
+  int open;
+  Mirror mirror;
+  float inside;
+  float ratio;
+  float surface_transmittance;
+  float cos_exit;
+  color slant;
+};
+
+Passage pass_between(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, SeenLight light)
+{
+  Passage way;
+  way.open = 0;
+  way.inside = 0.0;
+  way.ratio = 1.0;
+  way.surface_transmittance = 0.0;
+  way.cos_exit = 1.0;
+  way.slant = color(0.0);
+  way.mirror.possible = 0;
+  if (!light.visible || !(surface.footprint > 0.0))
+    return way;
+  float eta = layer.eta;
+  way.mirror = mirror_between(surface.n, surface.view, light.direction, eta);
+  way.open = way.mirror.possible;
+  if (!way.open)
+    return way;
+  float cos_view_in = min(way.mirror.g_view / eta, 1.0);
+  float cos_light_in = min(way.mirror.g_light / eta, 1.0);
+  way.cos_exit = cos_view_in;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    way.cos_exit = way.mirror.cos_view;
+
+  float outside = 4.0 * M_PI * light.sin2_half_radius;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    outside = M_PI * squared_angle(light.sin2_half_radius);
+  way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  way.inside = outside * way.ratio;
+  way.slant = slant_depth_of(layer, flakes, cos_view_in) + slant_depth_of(layer, flakes, cos_light_in);
+  way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
+                              fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
+  return way;
+}
+
+ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float pixel_area, Passage way)
 {
   ExpectedSparkles expected;
   expected.mean_count = 0.0;
   expected.slots = 0;
   expected.fill = 1.0;
-  expected.area = layer.area;
+  expected.area = flakes.area;
   expected.slant = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
-  if (!light.visible || !(surface.footprint > 0.0))
+  if (!way.open)
     return expected;
-  float eta = layer.eta;
-  Mirror mirror = mirror_between(surface.n, surface.view, light.direction, eta);
-  if (!mirror.possible)
-    return expected;
-  float cos_view_in = min(mirror.g_view / eta, 1.0);
-  float cos_light_in = min(mirror.g_light / eta, 1.0);
-  float cos_alpha = mirror.cos_alpha;
-
-  float outside = 4.0 * M_PI * light.sin2_half_radius;
-  if (layer.radiometry == RADIOMETRY_PUBLISHED)
-    outside = M_PI * squared_angle(light.sin2_half_radius);
-  float ratio = solid_angle_ratio(mirror.cos_light, mirror.g_light, eta);
-  float inside = outside * ratio + layer.flake_solid_angle;
+  float cos_alpha = way.mirror.cos_alpha;
+  float inside = way.inside + flakes.solid_angle;
   if (!(inside > 0.0))
     return expected;
-  inside = max(inside, LEAST_CONE * max(ratio, 1.0));
+  inside = max(inside, LEAST_CONE * max(way.ratio, 1.0));
 
-  float probability =
-      flake_probability(layer, mirror.sin2_half_beta, inside / (16.0 * M_PI * cos_alpha));
+  float probability = flake_probability(flakes, layer.radiometry, way.mirror.sin2_half_beta,
+                                        inside / (16.0 * M_PI * cos_alpha));
 
-  expected.slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
-  float surface_transmittance = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
-                                fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);
-  expected.ceiling = surface_transmittance * ratio / inside;
-  expected.mirror = coating_reflectance(layer.coating, cos_alpha) * expected.ceiling;
+  expected.ceiling = way.surface_transmittance * way.ratio / inside;
+  expected.mirror = coating_reflectance(flakes.coating, cos_alpha) * expected.ceiling;
+  expected.slant = way.slant;
 
-  float cos_exit = cos_view_in;
-  if (layer.radiometry == RADIOMETRY_PUBLISHED)
-    cos_exit = mirror.cos_view;
-  float footprint = clamp(surface.footprint, 1e-20, 1e6);
-  expected.fill = footprint * cos_exit / (layer.flake_area * cos_alpha);
-  expected.area = capped_area_moments(layer.area_spread, expected.fill, layer.area);
+  float footprint = clamp(pixel_area, 1e-20, 1e6);
+  expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
+  expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
   float enlarged = 1.0;
-  if (expected.area.mean < layer.area.mean)
-    enlarged = layer.area.mean / expected.area.mean;
-  expected.mean_count = layer.areal_density * footprint * enlarged * probability;
+  if (expected.area.mean < flakes.area.mean)
+    enlarged = flakes.area.mean / expected.area.mean;
+  expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
 
-  float places = expected.fill / layer.area.mean;
+  float places = expected.fill / flakes.area.mean;
   if (places < (float)POISSON_SLOTS)
     expected.slots = (int)max(places, 1.0);
   float slots = (float)expected.slots;
@@ -164,6 +209,22 @@ color mean_square_sparkle(ExpectedSparkles expected)
 color mean_radiance(ExpectedSparkles expected)
 {
   return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
+}
+
+#define FAR_COUNT 65536.0
+
+float fluctuation_left(ExpectedSparkles expected)
+{
+  if (!(expected.mean_count > FAR_COUNT / 2.0))
+    return 1.0;
+  color mean = mean_sparkle(expected);
+  color square = mean_square_sparkle(expected);
+  float least = expected.mean_count;
+  for (int c = 0; c < 3; ++c) {
+    if (square[c] > 0.0)
+      least = min(least, expected.mean_count * (mean[c] * mean[c] / square[c]));
+  }
+  return clamp(2.0 - least / (FAR_COUNT / 2.0), 0.0, 1.0);
 }
 
 float dimmed(float share, float x, float depth)
@@ -212,6 +273,12 @@ Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords k
   sparkles.radiance = color(0.0);
   if (!(expected.mean_count > 0.0))
     return sparkles;
+  float left = fluctuation_left(expected);
+  if (!(left > 0.0)) {
+    sparkles.count = floor(expected.mean_count + 0.5);
+    sparkles.radiance = min(max(mean_radiance(expected), color(0.0)), color(expected.ceiling));
+    return sparkles;
+  }
   HashWords words = draw_words(key, pixel_x, pixel_y, 0);
   float count = count_deviate(expected.mean_count, expected.slots, uniform_48(words.x, words.y));
   if (count <= 0.0)
@@ -230,6 +297,49 @@ Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords k
                 sum_of_many(expected, expected.slant[1], count, w),
                 sum_of_many(expected, expected.slant[2], count, w));
   }
+  if (left < 1.0) {
+    color mean = mean_sparkle(expected) * expected.mean_count;
+    sum = mean + (sum - mean) * left;
+  }
   sparkles.radiance = min(max(expected.mirror * sum, color(0.0)), color(expected.ceiling));
   return sparkles;
+}
+
+// Counts are those of the species `shown`, the rest of all.
+struct PixelSparkles {
+  float count;
+  float mean_count;
+  color radiance;
+  color mean_radiance;
+};
+
+// `blurred`: the mean, without its noise.
+PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, Passage way, int light,
+                      int frame, int seed, int blurred, int shown)
+{
+  PixelSparkles all;
+  all.count = 0.0;
+  all.mean_count = 0.0;
+  all.radiance = color(0.0);
+  all.mean_radiance = color(0.0);
+  float ceiling = 0.0;
+  for (int i = 0; i < layer.species; ++i) {
+    ExpectedSparkles expected = expect_sparkles(layer, flakes[i], surface.footprint, way);
+    color mean = mean_radiance(expected);
+    Sparkles drawn;
+    drawn.count = expected.mean_count;
+    drawn.radiance = mean;
+    if (!blurred)
+      drawn = draw_sparkles(expected, flakes[i].area_spread, stream_key(light, i, frame, seed),
+                            surface.pixel_x, surface.pixel_y);
+    if (i == shown) {
+      all.count = drawn.count;
+      all.mean_count = expected.mean_count;
+    }
+    all.radiance = all.radiance + drawn.radiance;
+    all.mean_radiance = all.mean_radiance + mean;
+    ceiling = max(ceiling, expected.ceiling);
+  }
+  all.radiance = min(all.radiance, color(ceiling));
+  return all;
 }

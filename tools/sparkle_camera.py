@@ -12,6 +12,7 @@ Assumed: an ideal lens, the lamp's size, the pixel and the threshold below.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -92,7 +93,8 @@ def dome_luminance(paint: Paint, pixels: int, shadowing: str = "discs") -> np.nd
 
     The flakes are traced one by one (core/reference/explicit_flakes.h), the lamp being the dome.
     """
-    traced = core_paint(paint, flake_spread=0)  # under an even dome the spread changes nothing
+    # Under an even dome the spread changes nothing.
+    traced = core_paint(dataclasses.replace(paint, flake_spread=0, diffraction="none"))
     up = direction(0)
     batches = (
         core.explicit_flakes(

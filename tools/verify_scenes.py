@@ -12,13 +12,18 @@ import bpy
 import demo_model
 from mathutils import Vector
 from metallic_paint import lights, material, presets
-from metallic_paint.paint import Paint
+from metallic_paint.paint import Flakes, Paint
 
 SILVER = Paint()
 CANDY = Paint(
     flakes_per_mm2=1500, flake_diameter_um=30, flake_area_spread=0.5, tilt=0.2,
     flake_color=(0.9, 0.8, 0.6), binder_absorption_per_mm=(1, 15, 40), rayleigh_per_mm=0.3, seed=7,
 )  # fmt: skip
+THREE = dataclasses.replace(
+    CANDY,
+    second=Flakes(flakes_per_mm2=40, flake_diameter_um=90, tilt=0.3, flake_color=(0.2, 0.9, 0.4)),
+    third=Flakes(flakes_per_mm2=9000, flake_diameter_um=8, orientation="ggx", tilt=0.4),
+)
 
 
 @dataclass(frozen=True)
@@ -133,6 +138,10 @@ SCENES = (
           distance=0.3, paint=dataclasses.replace(SILVER, flake_diameter_um=90, tilt=0.02,
           flakes_per_mm2=600, flake_transmission=(0.05, 0.05, 0.05),
           flake_edge_color=(0.94, 0.94, 0.94)), seeds=4),
+    Scene("three species of flakes", (SUN,), shape="sphere", distance=1, width=0.3,
+          scale=(0.15, 0.15, 0.15), paint=THREE, seeds=2),
+    Scene("so far that the mean takes over", (SUN,), shape="sphere", distance=1000, width=170,
+          scale=(80, 80, 80), paint=dataclasses.replace(THREE, depth_model="thinned")),
     Scene("the demo's car", (sun("Sun", 45, -60, 0.53),
           lamp("Spot", "SPOT", (-3, -6, 5), 0.02, 3000),
           lamp("Point", "POINT", (4, -2, 3), 0.02, 1500)), shape="car",

@@ -16,17 +16,20 @@ from .paint import (
     INT_MIN,
     PANELS,
     PARAMETERS,
+    SECOND,
     SPARKLE,
     SUBSTRATE,
+    THIRD,
     Paint,
     shader_value,
+    value_of,
 )
 
 NAME = "Metallic Paint"
-VERSION = 1  # of the group's interface: sockets are only ever appended within a version
+VERSION = 2  # of the group's interface: sockets are only ever appended within a version
 OUTPUT = "BSDF"
 SHOWN = "Shown"  # the shader's diagnostic, a colour
-NORMAL = "Normal"
+NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
 MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
 
@@ -35,6 +38,8 @@ _SOURCE_MARK = "metallic_paint_source"
 
 _PANEL_DESCRIPTIONS = {
     FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
+    SECOND: "A second species of flakes beside the first; none while their number is 0",
+    THIRD: "A third species of flakes",
     BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
@@ -54,6 +59,13 @@ class _Extra:
     description: str
 
 
+_NORMALS = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL}
+_NORMAL_DESCRIPTIONS = {
+    NORMAL: "Normal of the surface, for bump or normal maps",
+    COAT_NORMAL: "Normal of the binder's surface where it is not that of the flakes",
+}
+_SHUT = (SECOND, THIRD, DIAGNOSTICS)  # panels that start closed
+
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
@@ -66,6 +78,9 @@ _EXTRAS = {
     "DiagnosticLight": _Extra(
         "Diagnostic Light", DIAGNOSTICS, 1, lights.SLOTS, 1,
         "The light slot whose inner value to show",
+    ),
+    "DiagnosticSpecies": _Extra(
+        "Diagnostic Species", DIAGNOSTICS, 1, 3, 1, "The flake species whose count to show",
     ),
     "OtherLight": _Extra(
         "Other Light", SPARKLE, 0, 1, 1,
@@ -99,7 +114,7 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
     """Sets every socket of a paint that exists to the paint's values."""
     node = paint_node(target) if isinstance(target, bpy.types.Material) else target
     for name, parameter in PARAMETERS.items():
-        value = shader_value(name, getattr(paint, name))
+        value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
         socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
 
@@ -168,7 +183,7 @@ def _script_node(group: bpy.types.ShaderNodeTree, source: str) -> bpy.types.Shad
 
 def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected = {parameter.shader for parameter in PARAMETERS.values()}
-    expected |= {*_EXTRAS, NORMAL, lights.METERS_PER_UNIT}
+    expected |= {*_EXTRAS, *_NORMALS, lights.METERS_PER_UNIT}
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
     expected |= {OUTPUT, SHOWN}
@@ -199,7 +214,7 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
     group.links.new(script.outputs[SHOWN], out.inputs[SHOWN])
     panels = {
         name: group.interface.new_panel(
-            name, description=_PANEL_DESCRIPTIONS[name], default_closed=name == DIAGNOSTICS
+            name, description=_PANEL_DESCRIPTIONS[name], default_closed=name in _SHUT
         )
         for name in (*PANELS, DIAGNOSTICS)
     }
@@ -217,12 +232,12 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
         socket.default_value = extra.default
         group.links.new(inside.outputs[extra.label], script_inputs[name])
 
-    for name in ("Frame", "Diagnostic", "DiagnosticLight"):
+    for name in _EXTRAS:
         add_extra(name)
-    _add_normal(group)
-    group.links.new(inside.outputs[NORMAL], script_inputs[NORMAL])
+    for name, label in _NORMALS.items():
+        _add_normal(group, label)
+        group.links.new(inside.outputs[label], script_inputs[name])
     _add_model_scale(group, panels[SPARKLE])
-    add_extra("OtherLight")
     _wire_lights(group, script_inputs, inside)
 
 
@@ -230,7 +245,7 @@ def _add_parameter(
     group: bpy.types.ShaderNodeTree, name: str, panel: bpy.types.NodeTreeInterfacePanel
 ) -> None:
     parameter = PARAMETERS[name]
-    default = shader_value(name, getattr(Paint(), name))
+    default = shader_value(parameter, value_of(Paint(), name))
     if parameter.is_color:
         kind, default = "NodeSocketColor", (*default, 1.0)
     elif isinstance(default, tuple):
@@ -247,16 +262,16 @@ def _add_parameter(
     socket.default_value = default
 
 
-def _add_normal(group: bpy.types.ShaderNodeTree) -> None:
-    """An unconnected Normal is the shading normal.
+def _add_normal(group: bpy.types.ShaderNodeTree, label: str) -> None:
+    """An unconnected Normal is the shading normal, an unconnected Coat Normal the Normal.
 
     Cycles gives a script parameter that is initialised with N no value from an unlinked socket,
     neither directly nor through groups, whatever the socket's hidden value is. (Blender 5.2 treats
     a link from a constant likewise: a normal has to vary, as every bump or normal map does.)
     """
     socket = group.interface.new_socket(
-        NORMAL, in_out="INPUT", socket_type="NodeSocketVector",
-        description="Normal of the surface, for bump or normal maps",
+        label, in_out="INPUT", socket_type="NodeSocketVector",
+        description=_NORMAL_DESCRIPTIONS[label],
     )  # fmt: skip
     socket.hide_value = True
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import numbers
+import operator
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ from typing import Any
 Color = tuple[float, float, float]
 
 FLAKES, BINDER, SUBSTRATE, SPARKLE = "Flakes", "Binder", "Substrate", "Sparkle"
-PANELS = (FLAKES, BINDER, SUBSTRATE, SPARKLE)
+SECOND, THIRD = "Second Flakes", "Third Flakes"
+PANELS = (FLAKES, SECOND, THIRD, BINDER, SUBSTRATE, SPARKLE)
 
 INT_MIN, INT_MAX = -(2**31), 2**31 - 1
 
@@ -46,139 +48,17 @@ def _field(default: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
     return dataclasses.field(default=default, metadata={"parameter": Parameter(*args, **kwargs)})
 
 
-@dataclass(frozen=True)
-class Paint:
-    """A metallic paint. Colours are linear RGB; every field is checked on construction."""
-
-    # fmt: off
-    flakes_per_mm2: float = _field(
-        3000.0, "FlakesPerMm2", "Flakes per mm²", FLAKES, 0, 1e9,
-        "Flakes in the whole depth of the layer under one square millimetre of surface",
-    )
-    flake_diameter_um: float = _field(
-        20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 1e-3, 1e5,
-        "Diameter of the disk that has the mean area of the flakes, in micrometres",
-    )
-    flake_area_spread: float = _field(
-        0.3, "FlakeAreaSpread", "Flake Area Spread", FLAKES, 0, 100,
-        "Standard deviation of the flakes' area divided by its mean",
-    )
-    orientation: str = _field(
-        "gaussian", "Orientation", "Orientation", FLAKES, 0, 2,
-        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX",
-        choices=("gaussian", "beckmann", "ggx"),
-    )
-    tilt: float = _field(
-        0.15, "Tilt", "Tilt", FLAKES, 1e-6, 100,
-        "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha "
-        "(at most 1) for Beckmann and GGX",
-    )
-    flake_spread: float = _field(
-        0.005, "FlakeSpread", "Flake Spread", FLAKES, 0, 0.5,
-        "Angular radius by which one flake, being wavy and small, spreads the light it reflects",
-        subtype="ANGLE",
-    )
-    flake_color: Color = _field(
-        (0.91, 0.92, 0.92), "FlakeColor", "Flake Color", FLAKES, 0, 1,
-        "Reflectance of a flake at normal incidence", is_color=True,
-    )
-    flake_edge_color: Color = _field(
-        (1.0, 1.0, 1.0), "FlakeEdgeColor", "Flake Edge Color", FLAKES, 0, 1,
-        "Reflectance of a flake at grazing incidence", is_color=True,
-    )
-    flake_transmission: Color = _field(
-        (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
-        "Transmittance of a flake at every angle: with either reflectance at most 1",
-        is_color=True,
-    )
-    binder_ior: float = _field(
-        1.5, "BinderIor", "IOR", BINDER, 0.1, 10,
-        "Refractive index of the binder relative to what surrounds the paint",
-    )
-    layer_thickness_um: float = _field(
-        30.0, "LayerThicknessUm", "Layer Thickness (µm)", BINDER, 0, 1e6,
-        "Thickness of the layer that holds the flakes, in micrometres",
-    )
-    binder_absorption_per_mm: Color = _field(
-        (0.0, 0.0, 0.0), "BinderAbsorptionPerMm", "Absorption (1/mm)", BINDER, 0, 1e6,
-        "How much of red, green and blue the binder absorbs per millimetre of path",
-    )
-    rayleigh_per_mm: float = _field(
-        0.0, "RayleighPerMm", "Rayleigh (1/mm)", BINDER, 0, 1e6,
-        "Weight of the scattering by pigment particles, per millimetre",
-    )
-    depth_model: str = _field(
-        "attenuated", "DepthModel", "Depth Model", SPARKLE, 0, 1,
-        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
-        "out instead, with the same mean",
-        choices=("attenuated", "thinned"),
-    )
-    radiometry: str = _field(
-        "exact", "Radiometry", "Radiometry", SPARKLE, 0, 1,
-        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter",
-        choices=("exact", "published"),
-    )
-    seed: int = _field(
-        0, "Seed", "Seed", SPARKLE, INT_MIN, INT_MAX, "Another number, another set of flakes",
-    )
-    substrate_color: Color = _field(
-        (0.02, 0.02, 0.02), "SubstrateColor", "Substrate Color", SUBSTRATE, 0, 1,
-        "Diffuse reflectance of what lies under the flakes", is_color=True,
-    )
-    coat_roughness: float = _field(
-        0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
-        "Roughness of the surface of the binder, which makes the highlight", subtype="FACTOR",
-    )
-    # fmt: on
-
-    def __post_init__(self) -> None:
-        for name, parameter in PARAMETERS.items():
-            object.__setattr__(self, name, _checked(name, getattr(self, name), parameter))
-        if self.orientation != "gaussian" and self.tilt > 1:
-            raise PaintError(
-                f"tilt is {self.tilt} and must lie in 1e-06..1, being the roughness alpha of "
-                f"orientation {self.orientation!r}."
-            )
-        _check_energy(
-            "flake_color", self.flake_color, "flake_transmission", self.flake_transmission
-        )
-        _check_energy(
-            "flake_edge_color", self.flake_edge_color, "flake_transmission", self.flake_transmission
-        )
-
-    @property
-    def flake_coverage(self) -> float:
-        """Flake area per area of surface (the model's D H ⟨S⟩), dimensionless."""
-        return self.flakes_per_mm2 * math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
+def _check_fields(checked: object) -> None:
+    for field in dataclasses.fields(checked):
+        if parameter := field.metadata.get("parameter"):
+            value = getattr(checked, field.name)
+            value = _checked(field.name, value, field.default, parameter)
+            object.__setattr__(checked, field.name, value)
 
 
-PARAMETERS: dict[str, Parameter] = {
-    field.name: field.metadata["parameter"] for field in dataclasses.fields(Paint)
-}
-_DEFAULTS = {field.name: field.default for field in dataclasses.fields(Paint)}
-
-
-def shader_value(name: str, value: float | str | Color) -> float | int | Color:
-    """A field's value as the shader takes it: words become integers."""
-    choices = PARAMETERS[name].choices
-    return choices.index(value) if choices else value
-
-
-def core_paint(paint: Paint, **changes: object) -> object:
-    """The paint as the core takes it."""
-    import metallic_paint_core as core
-
-    fields = dataclasses.asdict(paint) | changes
-    for name in ("substrate_color", "coat_roughness"):  # no part of the sparkles
-        del fields[name]
-    fields["orientation"] = core.Orientation[fields["orientation"]]
-    fields["depth_model"] = core.DepthModel[fields["depth_model"]]
-    fields["radiometry"] = core.Radiometry[fields["radiometry"]]
-    return core.Paint(**fields)
-
-
-def _checked(name: str, value: object, parameter: Parameter) -> float | int | str | Color:
-    default = _DEFAULTS[name]
+def _checked(
+    name: str, value: object, default: object, parameter: Parameter
+) -> float | int | str | Color:
     if parameter.choices:
         if value not in parameter.choices:
             raise PaintError(
@@ -222,3 +102,220 @@ def shown(value: object) -> str:
     """Short and printable, whatever the value: reprlib goes down a few levels only."""
     text = reprlib.repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+@dataclass(frozen=True)
+class Flakes:
+    """One species of flakes. Colours are linear RGB; every field is checked on construction."""
+
+    # fmt: off
+    flakes_per_mm2: float = _field(
+        3000.0, "FlakesPerMm2", "Flakes per mm²", FLAKES, 0, 1e9,
+        "Flakes in the whole depth of the layer under one square millimetre of surface",
+    )
+    flake_diameter_um: float = _field(
+        20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 1e-3, 1e5,
+        "Diameter of the disk that has the mean area of the flakes, in micrometres",
+    )
+    flake_area_spread: float = _field(
+        0.3, "FlakeAreaSpread", "Flake Area Spread", FLAKES, 0, 100,
+        "Standard deviation of the flakes' area divided by its mean",
+    )
+    orientation: str = _field(
+        "gaussian", "Orientation", "Orientation", FLAKES, 0, 2,
+        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX",
+        choices=("gaussian", "beckmann", "ggx"),
+    )
+    tilt: float = _field(
+        0.15, "Tilt", "Tilt", FLAKES, 1e-6, 100,
+        "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha "
+        "(at most 1) for Beckmann and GGX",
+    )
+    flake_spread: float = _field(
+        0.005, "FlakeSpread", "Flake Spread", FLAKES, 0, 0.5,
+        "Angular radius by which one flake, being wavy, spreads the light that it reflects",
+        subtype="ANGLE",
+    )
+    flake_color: Color = _field(
+        (0.91, 0.92, 0.92), "FlakeColor", "Flake Color", FLAKES, 0, 1,
+        "Reflectance of a flake at normal incidence", is_color=True,
+    )
+    flake_edge_color: Color = _field(
+        (1.0, 1.0, 1.0), "FlakeEdgeColor", "Flake Edge Color", FLAKES, 0, 1,
+        "Reflectance of a flake at grazing incidence", is_color=True,
+    )
+    flake_transmission: Color = _field(
+        (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
+        "Transmittance of a flake at every angle: with either reflectance at most 1",
+        is_color=True,
+    )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        _check_fields(self)
+        if self.orientation != "gaussian" and self.tilt > 1:
+            raise PaintError(
+                f"tilt is {self.tilt} and must lie in 1e-06..1, being the roughness alpha of "
+                f"orientation {self.orientation!r}."
+            )
+        _check_energy(
+            "flake_color", self.flake_color, "flake_transmission", self.flake_transmission
+        )
+        _check_energy(
+            "flake_edge_color", self.flake_edge_color, "flake_transmission", self.flake_transmission
+        )
+
+    @property
+    def flake_coverage(self) -> float:
+        """Flake area per area of surface (the model's D H ⟨S⟩), dimensionless."""
+        return self.flakes_per_mm2 * math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
+
+
+NO_FLAKES = Flakes(flakes_per_mm2=0)
+
+
+@dataclass(frozen=True)
+class Paint(Flakes):
+    """A metallic paint, whose own flakes are the first species of up to three."""
+
+    second: Flakes = NO_FLAKES
+    third: Flakes = NO_FLAKES
+    # fmt: off
+    binder_ior: float = _field(
+        1.5, "BinderIor", "IOR", BINDER, 0.1, 10,
+        "Refractive index of the binder relative to what surrounds the paint",
+    )
+    layer_thickness_um: float = _field(
+        30.0, "LayerThicknessUm", "Layer Thickness (µm)", BINDER, 0, 1e6,
+        "Thickness of the layer that holds the flakes, in micrometres",
+    )
+    binder_absorption_per_mm: Color = _field(
+        (0.0, 0.0, 0.0), "BinderAbsorptionPerMm", "Absorption (1/mm)", BINDER, 0, 1e6,
+        "How much of red, green and blue the binder absorbs per millimetre of path",
+    )
+    rayleigh_per_mm: float = _field(
+        0.0, "RayleighPerMm", "Rayleigh (1/mm)", BINDER, 0, 1e6,
+        "Weight of the scattering by pigment particles, per millimetre",
+    )
+    diffraction: str = _field(
+        "disc", "Diffraction", "Diffraction", SPARKLE, 0, 1,
+        "0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides "
+        "its own Flake Spread",
+        choices=("none", "disc"),
+    )
+    depth_model: str = _field(
+        "attenuated", "DepthModel", "Depth Model", SPARKLE, 0, 1,
+        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
+        "out instead, with the same mean",
+        choices=("attenuated", "thinned"),
+    )
+    radiometry: str = _field(
+        "exact", "Radiometry", "Radiometry", SPARKLE, 0, 1,
+        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter",
+        choices=("exact", "published"),
+    )
+    composition: str = _field(
+        "exact", "Composition", "Composition", SPARKLE, 0, 1,
+        "0 exact: sparkles add to the rest of the light. 1 published: a pixel takes the brighter "
+        "of both",
+        choices=("exact", "published"),
+    )
+    seed: int = _field(
+        0, "Seed", "Seed", SPARKLE, INT_MIN, INT_MAX, "Another number, another set of flakes",
+    )
+    substrate_color: Color = _field(
+        (0.02, 0.02, 0.02), "SubstrateColor", "Substrate Color", SUBSTRATE, 0, 1,
+        "Diffuse reflectance of what lies under the flakes", is_color=True,
+    )
+    texture_contrast: float = _field(
+        0.0, "TextureContrast", "Texture Contrast", SUBSTRATE, 0, 1,
+        "Relative deviation, from place to place, of the light that is scattered several times or "
+        "by the substrate, seen over 1 mm²; finer pixels see more",
+    )
+    coat_roughness: float = _field(
+        0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
+        "Roughness of the surface of the binder, which makes the highlight", subtype="FACTOR",
+    )
+    orange_peel: float = _field(
+        0.0, "OrangePeel", "Orange Peel", BINDER, 0, 1,
+        "Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good "
+        "car paint has some 0.1°", subtype="ANGLE",
+    )
+    orange_peel_mm: float = _field(
+        3.0, "OrangePeelMm", "Orange Peel Size (mm)", BINDER, 1e-3, 1e6,
+        "Wavelength of those waves, in millimetres",
+    )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("second", "third"):
+            if not isinstance(getattr(self, name), Flakes):
+                raise PaintError(f"{name} is {shown(getattr(self, name))} and must be Flakes.")
+
+    @property
+    def species(self) -> tuple[Flakes, ...]:
+        """All three, the paint's own first."""
+        return (self, self.second, self.third)
+
+
+def _parameters(of: type[Flakes]) -> dict[str, Parameter]:
+    return {
+        field.name: field.metadata["parameter"]
+        for field in dataclasses.fields(of)
+        if "parameter" in field.metadata
+    }
+
+
+def _of_species(field: str, number: int, panel: str) -> dict[str, Parameter]:
+    return {
+        f"{field}.{name}": dataclasses.replace(
+            parameter,
+            shader=f"{field.title()}{parameter.shader}",
+            label=f"{parameter.label} {number}",
+            panel=panel,
+        )
+        for name, parameter in _parameters(Flakes).items()
+    }
+
+
+# By field; those of the second and third species as "second.tilt".
+PARAMETERS: dict[str, Parameter] = {
+    **_parameters(Paint),
+    **_of_species("second", 2, SECOND),
+    **_of_species("third", 3, THIRD),
+}
+
+
+def value_of(paint: Paint, name: str) -> float | int | str | Color:
+    """The value of one of PARAMETERS."""
+    return operator.attrgetter(name)(paint)
+
+
+def shader_value(parameter: Parameter, value: float | str | Color) -> float | int | Color:
+    """A field's value as the shader takes it: words become integers."""
+    return parameter.choices.index(value) if parameter.choices else value
+
+
+# Fields that are no part of the core's Paint: what the core takes beside it.
+_BESIDE = ("substrate_color", "coat_roughness", "orange_peel", "orange_peel_mm",
+           "texture_contrast", "composition")  # fmt: skip
+
+
+def core_paint(paint: Paint, frame: int = 0) -> object:
+    """The paint as the core takes it."""
+    import metallic_paint_core as core
+
+    def fields(flakes: Flakes) -> dict[str, object]:
+        known = {name: getattr(flakes, name) for name in _parameters(type(flakes))}
+        known["orientation"] = core.Orientation[flakes.orientation]
+        return known
+
+    all_fields = fields(paint)
+    for name in _BESIDE:
+        del all_fields[name]
+    all_fields["diffraction"] = core.Diffraction[paint.diffraction]
+    all_fields["depth_model"] = core.DepthModel[paint.depth_model]
+    all_fields["radiometry"] = core.Radiometry[paint.radiometry]
+    more = [core.FlakeSpecies(**fields(flakes)) for flakes in (paint.second, paint.third)]
+    return core.Paint(**all_fields, more=more, frame=frame)

@@ -2,7 +2,8 @@
 """Paints as JSON files: those that ship in presets/, and anyone's.
 
 A file is an object with "schema_version": 1, an optional "description", and "paint": an object
-with the fields of Paint, units and ranges as there. A field that is left out has its default.
+with the fields of Paint, units and ranges as there; "second" and "third" in it are objects with
+the fields of Flakes. A field that is left out has its default.
 Files are read strictly, since they come from anywhere. Nothing here needs Blender.
 """
 
@@ -16,15 +17,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .paint import PARAMETERS, Color, Paint, PaintError, shown
+from .paint import NO_FLAKES, Color, Flakes, Paint, PaintError, shown
 
-__all__ = ["Color", "Paint", "PaintError", "PresetError", "load", "names", "save"]
+__all__ = ["Color", "Flakes", "Paint", "PaintError", "PresetError", "load", "names", "save"]
 
 SCHEMA_VERSION = 1
 MAX_BYTES = 64 * 1024
 FOLDER = Path(__file__).parent / "presets"
 
 _KEYS = ("schema_version", "description", "paint")
+_SPECIES = ("second", "third")
 
 
 class PresetError(ValueError):
@@ -63,6 +65,9 @@ def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> N
     if description:
         content["description"] = description
     content["paint"] = dataclasses.asdict(paint)
+    for name in _SPECIES:
+        if getattr(paint, name) == NO_FLAKES:
+            del content["paint"][name]
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -75,9 +80,13 @@ def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> N
 
 def _text(content: dict[str, Any]) -> str:
     """One line for each field, colours included, so that presets compare line by line."""
-    lines = [
-        f"    {json.dumps(key)}: {json.dumps(value)}" for key, value in content["paint"].items()
-    ]
+    lines = []
+    for key, value in content["paint"].items():
+        text = json.dumps(value)
+        if isinstance(value, dict):
+            inner = ",\n".join(f"      {json.dumps(k)}: {json.dumps(v)}" for k, v in value.items())
+            text = "{\n" + inner + "\n    }"
+        lines.append(f"    {json.dumps(key)}: {text}")
     head = "".join(
         f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)},\n"
         for key, value in content.items()
@@ -102,11 +111,21 @@ def _read(path: Path) -> Paint:
     paint = content.get("paint")
     if not isinstance(paint, dict):
         raise PresetError(f"{path}: paint is missing or no object {{...}}.")
-    _check_keys(path, "paint.", paint, PARAMETERS)
+    fields = dict(paint)
+    for name in _SPECIES:
+        if name in paint:
+            if not isinstance(paint[name], dict):
+                raise PresetError(f"{path}: paint.{name} is no object {{...}}.")
+            fields[name] = _build(path, f"paint.{name}.", Flakes, paint[name])
+    return _build(path, "paint.", Paint, fields)
+
+
+def _build(path: Path, where: str, kind: type[Flakes], values: dict[str, Any]) -> Any:  # noqa: ANN401
+    _check_keys(path, where, values, [field.name for field in dataclasses.fields(kind)])
     try:
-        return Paint(**paint)
+        return kind(**values)
     except PaintError as error:
-        raise PresetError(f"{path}: paint.{error}") from error
+        raise PresetError(f"{path}: {where}{error}") from error
 
 
 def _parse(path: Path) -> object:

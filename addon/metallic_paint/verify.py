@@ -24,7 +24,7 @@ from . import lights, material, shader
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
-IRRADIANCE, SPARKLES, CONE, SOUND, LOBE = 10, 11, 12, 13, 14
+IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE = range(10, 17)
 LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
@@ -57,7 +57,7 @@ class Geometry:
 class Comparison:
     """How a light's sparkles in the picture agree with the core's."""
 
-    pixels: int  # with paint in them
+    pixels: int  # with paint in them, times the flake species
     same_count: int
     at_pixel_edge: int  # another count, because the sample lies on a pixel's edge within rounding
     at_threshold: int  # another count, because the draw lies on a step within rounding
@@ -128,10 +128,11 @@ class Probe:
         for node in self.nodes:
             node.inputs[socket].default_value = value
 
-    def image(self, diagnostic: int, light: int = 0) -> np.ndarray:
-        """(h, w, 3) float32: the diagnostic of the light slot (0-based)."""
+    def image(self, diagnostic: int, light: int = 0, species: int = 0) -> np.ndarray:
+        """(h, w, 3) float32: the diagnostic of the light slot and flake species (0-based)."""
         self.set("Diagnostic", diagnostic)
         self.set("Diagnostic Light", light + 1)
+        self.set("Diagnostic Species", species + 1)
         try:
             if diagnostic in LIT:
                 return render(self.scene)
@@ -216,7 +217,9 @@ def core_lights() -> list:
             for kind, vector, size in lights.values()]  # fmt: skip
 
 
-def predict(paint: object, slots: list, geometry: Geometry, precision: str) -> dict:
+def predict(
+    paint: object, slots: list, geometry: Geometry, precision: str, species: int = 0
+) -> dict:
     """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
     import metallic_paint_core as core
 
@@ -230,46 +233,56 @@ def predict(paint: object, slots: list, geometry: Geometry, precision: str) -> d
         footprint=geometry.footprint[hit],
         pixel=geometry.own_pixel()[hit],
         precision=precision,
+        species=species,
     )
 
 
 def compare(
     paint: object,
     geometry: Geometry,
-    predicted: dict,
+    predicted: list[dict],
     light: int,
     leader: int,
-    count: np.ndarray,
+    counts: list[np.ndarray],
     cone: np.ndarray,
     picture: np.ndarray,
     irradiance: np.ndarray,
 ) -> Comparison:
     """Judges images (h, w[, 3]) against the core's prediction.
 
-    picture and irradiance are lit by the lamp of the slot `light`; count and cone are those of the
-    slot that leads it: itself, unless another light is too close by.
+    predicted and counts are those of each flake species. picture and irradiance are lit by the lamp
+    of the slot `light`; counts and cone are those of the slot that leads it: itself, unless another
+    light is too close by.
     """
     hit = geometry.hit
-    found, expected = count[hit], predicted["count"][:, leader]
-    same = found == expected
     shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
-    edge = ~same & shifted & _near_edge(geometry.raster[hit])
-    threshold = ~same & ~edge & _near_threshold(paint, geometry, predicted, leader, found)
+    at_edge = shifted & _near_edge(geometry.raster[hit])
+    same_count = edge = threshold = unexplained = 0
+    all_same = np.ones(int(hit.sum()), dtype=bool)
+    for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
+        found = count[hit]
+        same = found == expected["count"][:, leader]
+        step = _near_threshold(paint, geometry, expected, leader, species, found)
+        same_count += int(same.sum())
+        edge += int((~same & at_edge).sum())
+        threshold += int((~same & ~at_edge & step).sum())
+        unexplained += int((~same & ~at_edge & ~step).sum())
+        all_same &= same
 
-    per_irradiance = predicted["radiance"][:, light]
+    per_irradiance = predicted[0]["radiance"][:, light]
     radiance = per_irradiance * irradiance[hit]
-    lit = same & (radiance.max(axis=-1) > 0)
+    lit = all_same & (radiance.max(axis=-1) > 0)
     by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
     lit &= ~by_chance
     chance = np.zeros_like(hit)
     chance[hit] = by_chance
     error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
     return Comparison(
-        pixels=int(hit.sum()),
-        same_count=int(same.sum()),
-        at_pixel_edge=int(edge.sum()),
-        at_threshold=int(threshold.sum()),
-        unexplained=int((~same & ~edge & ~threshold).sum()),
+        pixels=int(hit.sum()) * len(counts),
+        same_count=same_count,
+        at_pixel_edge=edge,
+        at_threshold=threshold,
+        unexplained=unexplained,
         radiance_error=error,
         by_chance=chance,
     )
@@ -281,13 +294,18 @@ def _near_edge(raster: np.ndarray) -> np.ndarray:
 
 
 def _near_threshold(
-    paint: object, geometry: Geometry, predicted: dict, light: int, found: np.ndarray
+    paint: object,
+    geometry: Geometry,
+    predicted: dict,
+    light: int,
+    species: int,
+    found: np.ndarray,
 ) -> np.ndarray:
     """Counts that the core finds too, when <N> and the uniform deviate move by their rounding."""
     import metallic_paint_core as core
 
     x, y = geometry.own_pixel()[geometry.hit].T
-    words = core.hash_words(x, y, light=light, frame=paint.frame, seed=paint.seed)
+    words = core.hash_words(x, y, light=light, species=species, frame=paint.frame, seed=paint.seed)
     high, low = (words[:, i] >> 8 for i in (0, 1))
     uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
     mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]

@@ -8,6 +8,8 @@ ValueError with a sentence that names the field, the value and the range. The mo
 from ._native import (
     CoatingTable,
     DepthModel,
+    Diffraction,
+    FlakeSpecies,
     Light,
     LightKind,
     Orientation,
@@ -29,6 +31,8 @@ from ._native import (
 __all__ = [
     "CoatingTable",
     "DepthModel",
+    "Diffraction",
+    "FlakeSpecies",
     "Light",
     "LightKind",
     "Orientation",

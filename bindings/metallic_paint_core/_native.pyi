@@ -25,16 +25,26 @@ class Radiometry(IntEnum):
 
 Colour = tuple[float, float, float]
 
-class Paint:
+class Diffraction(IntEnum):
+    none = 0
+    disc = 1
+
+class FlakeSpecies:
     flakes_per_mm2: float  # flakes per mm2 of painted surface (D H), 0 to 1e9
     flake_diameter_um: float  # of a disc of the mean flake area, 1e-3 to 1e5 um
     flake_area_spread: float  # standard deviation of the area over its mean, 0 to 100
     orientation: Orientation
     tilt: float  # gaussian: rad, 1e-6 to 100; beckmann and ggx: roughness, 1e-6 to 1
-    flake_spread: float  # angular radius by which a flake spreads light, 0 to 0.5 rad
+    flake_spread: float  # angular radius by which a wavy flake spreads light, 0 to 0.5 rad
     flake_color: Colour  # reflectance at normal incidence, 0 to 1
     flake_edge_color: Colour  # reflectance at grazing incidence, 0 to 1
     flake_transmission: Colour  # transmittance, 0 to 1 less the reflectance
+
+    def __init__(self, **fields: object) -> None: ...
+
+class Paint(FlakeSpecies):
+    more: Sequence[FlakeSpecies]  # the second and the third species
+    diffraction: Diffraction
     binder_ior: float  # relative to the surroundings, 0.1 to 10
     layer_thickness_um: float  # 0 to 1e6 um
     binder_absorption_per_mm: Colour  # 0 to 1e6 1/mm
@@ -74,9 +84,11 @@ class Pixels(TypedDict):
     """
 
     leader: NDArray[np.int32]  # (n, m)
+    # Of the flake species asked for.
     slots: NDArray[np.int32]  # (n, m): 0 for a Poisson count, k for a binomial one of k places
     mean_count: NDArray[np.float64]  # (n, m): <N>
     count: NDArray[np.float64]  # (n, m): N
+    # Of all species.
     radiance: NDArray[np.float64]  # (n, m, 3): T, per unit irradiance normal to the light, 1/sr
     mean_radiance: NDArray[np.float64]  # (n, m, 3): E[T]
     variance: NDArray[np.float64]  # (n, m, 3): Var[T]
@@ -93,13 +105,14 @@ def evaluate(
     coating: CoatingTable | None = None,
     slant_depth: ArrayLike | None = None,
     precision: Literal["float", "double"] = "double",
+    species: int = 0,
 ) -> Pixels:
     """The sparkles of up to 8 lights in n pixels, on all cores.
 
     position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
     for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
     in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-    number, paint.frame and paint.seed alone. coating replaces the paint's flake colours.
+    number, species, paint.frame and paint.seed alone. coating replaces the first species' colours.
     slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
     "float" repeats the shader operation by operation; "double" is the reference.
     """

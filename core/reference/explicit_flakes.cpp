@@ -125,7 +125,7 @@ Plane::Plane(const ExplicitScene& given)
   // Refraction into a denser binder brings directions closer together.
   light_in = refracted(light, eta);
   if (eta >= 1 && light_in.z > 0) {
-    reach2 = square(paint.flake_spread + std::sqrt(light_chord2)) * (1 + 1e-9);
+    reach2 = square(flake_spread(paint) + std::sqrt(light_chord2)) * (1 + 1e-9);
   }
   binder_depth = absorption_depth(paint) + grey(rayleigh_depth(paint));
   blocking = (grey(1.0) - paint.flake_transmission) * flake_coverage(paint);
@@ -169,7 +169,7 @@ struct LightMet {
 // What a flake without losses would show that mirrors the observer's ray into `mirrored`.
 LightMet meet_light(const Plane& plane, Vector mirrored, RandomStream& random) {
   const double eta = plane.scene.paint.binder_ior;
-  const double spread = plane.scene.paint.flake_spread;
+  const double spread = flake_spread(plane.scene.paint);
   LightMet met;
   if (spread == 0) {
     // The light's own radiance, 1/Omega.
@@ -376,7 +376,7 @@ void validate(const ExplicitScene& scene) {
   require_unit("view", scene.view);
   require_unit("light", scene.light);
   require_range("light_radius", scene.light_radius, 0, kPi / 2, " rad");
-  const double width = scene.light_radius + scene.paint.flake_spread;
+  const double width = scene.light_radius + flake_spread(scene.paint);
   if (!(width > 0)) reject("light_radius + flake_spread", width, "above 0 rad");
   require_range("footprint", scene.footprint, 1e-20, 1e6, " m2");
   const auto pixels = static_cast<double>(scene.pixels);

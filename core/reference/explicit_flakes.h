@@ -6,8 +6,9 @@
 // The layer fills 0 >= z >= -H below the surface z = 0. Flakes are discs; their centres are uniform
 // in the layer, as many as a Poisson process gives. A flake sparkles if it mirrors the observer's
 // ray, refracted into the binder, so that it meets the light after leaving the binder. With
-// flake_spread > 0 the flake spreads the mirrored ray evenly over a disc of solid angle pi spread^2
-// in the binder and sparkles if that holds any of `points` points spread over the light.
+// a spread > 0 (flake_spread and diffraction) the flake spreads the mirrored ray evenly over a disc
+// of solid angle pi spread^2 in the binder and sparkles if that holds any of `points` points spread
+// over the light.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +34,7 @@ enum class Shadowing {
 struct ExplicitScene {
   Paint paint;               // depth_model, radiometry, seed and frame do not matter
   Vec3<double> view, light;  // unit, away from the paint (normal +z); below it nothing sparkles
-  double light_radius = 0;   // angular, outside: 0 to pi/2 rad; not 0 where flake_spread is
+  double light_radius = 0;   // angular, outside: 0 to pi/2 rad; not 0 where the spread is
   double footprint = 0;      // Sigma: the pixel is a square, and its flakes those centred in it, m2
   std::size_t pixels = 1;    // 1 to 2^26
   Shadowing shadowing = Shadowing::discs;

@@ -70,6 +70,16 @@ inline Rgb<double> flake_reflectance(const Paint& paint, double cos_alpha) {
 
 // ---------------------------------------------------------------------------------------------
 
+// The flake's own spread, waviness and diffraction together. By a disc of diameter d the middle of
+// a plane wave is (pi d^2/4)/lambda^2 bright per steradian, which an even cone of solid angle
+// lambda^2/(pi d^2/4) has too; its radius is lambda/pi over d/2.
+inline double flake_spread(const Paint& paint) {
+  if (paint.diffraction == Diffraction::none) return paint.flake_spread;
+  const double wavelength_um = 0.55 / paint.binder_ior;
+  const double radius = wavelength_um / std::numbers::pi / (paint.flake_diameter_um / 2);
+  return std::hypot(paint.flake_spread, std::min(radius, 0.5));
+}
+
 // Two unit vectors that stand on a unit vector and on each other.
 struct Frame {
   Vec3<double> a, b;

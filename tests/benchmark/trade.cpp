@@ -259,7 +259,7 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   out << "{\"name\": " << quoted(scene.name) << ", \"pixel\": " << scene.pixel
       << ", \"tilt\": " << scene.paint.tilt << ", \"sparkles\": "
       << expect_sparkles(layer, brightest, see_light(scene.light, brightest.position)).mean_count
-      << ", \"flakes\": " << layer.areal_density * brightest.footprint
+      << ", \"flakes\": " << layer.flakes[0].areal_density * brightest.footprint
       << ", \"draws\": " << effort.draws << ", \"judged\": " << judged.size()
       << ",\n \"floor\": {\"counts\": ";
   write_errors(out, floor_counts);

@@ -181,13 +181,53 @@ def test_a_field_of_a_wrong_kind_is_named(name: str, value: object, message: str
         setattr(core.Paint(), name, value)
 
 
+def fields_of(kind: type) -> list[str]:
+    return [n for c in kind.__mro__ for n, field in vars(c).items() if isinstance(field, property)]
+
+
 def test_every_field_takes_its_own_value() -> None:
     paint = core.Paint()
-    fields = [name for name, kind in vars(core.Paint).items() if isinstance(kind, property)]
-    assert len(fields) == 17
-    again = core.Paint(**{name: getattr(paint, name) for name in fields})
-    for name in fields:
-        assert getattr(again, name) == getattr(paint, name)
+    assert len(fields_of(core.FlakeSpecies)) == 9
+    assert len(fields_of(core.Paint)) == 19
+    again = core.Paint(**{name: getattr(paint, name) for name in fields_of(core.Paint)})
+    for name in fields_of(core.Paint):
+        if name == "more":
+            for one, other in zip(again.more, paint.more, strict=True):
+                for inner in fields_of(core.FlakeSpecies):
+                    assert getattr(one, inner) == getattr(other, inner)
+        else:
+            assert getattr(again, name) == getattr(paint, name)
+
+
+def test_a_bad_species_is_named() -> None:
+    good = core.FlakeSpecies(flakes_per_mm2=5)
+    with pytest.raises(ValueError, match=r"^more\[1\].tilt is 0, but must be from 1e-06"):
+        core.Paint(more=[good, core.FlakeSpecies(tilt=0)])
+    with pytest.raises(ValueError, match=r"^more is .*, but must be two FlakeSpecies"):
+        core.Paint(more=[good])
+    with pytest.raises(ValueError, match=r"^species is 3, but must be from 0 to 2"):
+        core.evaluate(core.Paint(), [], **scene(), species=3)
+
+
+def test_moments_of_several_species_add_up() -> None:
+    """Each alone as the first one, at the optical depth of all together."""
+    species = [
+        {"flakes_per_mm2": 800.0, "flake_diameter_um": 30.0, "tilt": 0.2},
+        {"flakes_per_mm2": 20.0, "flake_diameter_um": 90.0, "flake_color": (0.2, 0.5, 0.9)},
+        {"flakes_per_mm2": 5000.0, "orientation": core.Orientation.ggx, "tilt": 0.3},
+    ]
+    places = scene(200) | {"slant_depth": np.full((200, 1, 3), 0.7)}
+    lamp = [core.Light(core.LightKind.parallel, (0.1, 0.2, 1), 0.01)]
+    together = core.Paint(**species[0], more=[core.FlakeSpecies(**s) for s in species[1:]])
+    found = core.evaluate(together, lamp, **places)
+    alone = [core.evaluate(core.Paint(**s), lamp, **places) for s in species]
+    for name in ("mean_radiance", "variance"):
+        total = sum(one[name] for one in alone)
+        assert total.min() > 0
+        np.testing.assert_allclose(found[name], total, rtol=1e-13)
+    for i, one in enumerate(alone):
+        counts = core.evaluate(together, lamp, **places, species=i)
+        np.testing.assert_array_equal(counts["mean_count"], one["mean_count"])
 
 
 @pytest.mark.parametrize(

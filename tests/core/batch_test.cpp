@@ -107,7 +107,7 @@ void expect_each_pixel_alone(bool with_slant) {
       sun(10, 0.02), {}, {LightKind::positional, {0.5, 0.25, 2}, 0.125}, sun(11, 0.02)};
   const int n = 3000;
   Arrays arrays(n, lights.size());
-  evaluate_pixels<T>(paint, nullptr, lights, arrays.batch(with_slant), arrays.results());
+  evaluate_pixels<T>(paint, nullptr, lights, 0, arrays.batch(with_slant), arrays.results());
   const Layer<T> layer = make_layer<T>(paint);
   const auto vector = [](const std::vector<double>& array, std::size_t i) {
     return Vec3<T>(Vec3<double>{array[3 * i], array[3 * i + 1], array[3 * i + 2]});
@@ -131,8 +131,8 @@ void expect_each_pixel_alone(bool with_slant) {
       const Rgb<T> slant = vector(arrays.slant, i * lights.size() + lead);
       const auto expected = expect_sparkles(layer, point, see_light(source, point.position),
                                             with_slant ? &slant : nullptr);
-      const auto drawn = draw_sparkles(expected, layer.area_spread, paint_stream(paint, leader),
-                                       point.pixel_x, point.pixel_y);
+      const auto drawn = draw_sparkles(expected, layer.flakes[0].area_spread,
+                                       paint_stream(paint, leader), point.pixel_x, point.pixel_y);
       ASSERT_EQ(arrays.radiance[3 * at + 1], static_cast<double>(drawn.radiance.y)) << i;
       ASSERT_EQ(arrays.mean[3 * at + 2], static_cast<double>(mean_radiance(expected).z)) << i;
       ASSERT_EQ(arrays.variance[3 * at], static_cast<double>(radiance_variance(expected).x)) << i;
@@ -162,8 +162,8 @@ TEST(Batch, ConstantCoatingTableEqualsConstantCoating) {
                                    {paint.flake_transmission, paint.flake_transmission}};
   const std::vector<Light<double>> lights{sun(20, 0.05)};
   Arrays direct(500, 1), tabulated(500, 1);
-  evaluate_pixels<double>(paint, nullptr, lights, direct.batch(false), direct.results());
-  evaluate_pixels<double>(paint, &table, lights, tabulated.batch(false), tabulated.results());
+  evaluate_pixels<double>(paint, nullptr, lights, 0, direct.batch(false), direct.results());
+  evaluate_pixels<double>(paint, &table, lights, 0, tabulated.batch(false), tabulated.results());
   Worst worst;
   for (std::size_t i = 0; i < direct.mean.size(); ++i) {
     if (direct.mean[i] == 0) continue;
@@ -175,7 +175,7 @@ TEST(Batch, ConstantCoatingTableEqualsConstantCoating) {
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {
   Arrays arrays(10, 1);
   for (double& v : arrays.normal) v = 0;
-  evaluate_pixels<float>(Paint{}, nullptr, {sun(0, 0.1)}, arrays.batch(false), arrays.results());
+  evaluate_pixels<float>(Paint{}, nullptr, {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
   for (double radiance : arrays.radiance) EXPECT_EQ(radiance, 0);
   for (std::int32_t leader : arrays.leader) EXPECT_EQ(leader, -1);
 }

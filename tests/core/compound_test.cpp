@@ -233,7 +233,7 @@ TEST(Compound, PixelOfOneFlakeKeepsItsMeanAndVariance) {
 
 template <class T>
 void expect_mean_and_variance() {
-  const auto all = laws({0.01, 0.5, 3, 20, 200, 1e4, 1e6});
+  const auto all = laws({0.01, 0.5, 3, 20, 200, 1e4, 3e4});
   const double threshold = sidak_threshold(kLevel, 2 * static_cast<double>(all.size()));
   Worst worst;
   int stream = 100;
@@ -253,7 +253,7 @@ TEST(Compound, SumsOfVeryManySparklesFollowTheLawsOwnExpansion) {
   // Edgeworth to the skewness g = m3/(m2^1.5 sqrt <N>): P(z) = Phi(z) - g/6 (z^2 - 1) phi(z), the
   // rest of order 1/<N>. 40 cells of equal normal probability.
   constexpr int kCells = 40, n = 40'000;
-  const auto all = laws({1e4, 1e6});
+  const auto all = laws({1e4, 3e4});
   const double threshold = sidak_threshold(kLevel, static_cast<double>(all.size()));
   int stream = 200;
   for (const Law& law : all) {
@@ -300,6 +300,38 @@ TEST(Compound, SumsOfVeryManySparklesFollowTheLawsOwnExpansion) {
       below = upto;
     }
     EXPECT_LT(std::fabs(chi_square_z(found, expected)), threshold) << law;
+  }
+}
+
+// Mean^2/variance of a law is how many equal flakes would fluctuate like it.
+double equal_flakes(const Law& law) {
+  return static_cast<double>(law.mean() * law.mean() / law.variance());
+}
+
+TEST(Compound, FarAwayTheFluctuationFadesIntoTheMean) {
+  // Full up to 32768 equal flakes, none from 65536 on, linear in between; the mean stays.
+  const int n = 20'000;
+  int stream = 900;
+  for (double spread : {0.0, 0.5, 2.0}) {
+    for (double depth : {0.0, 1.0, 8.0}) {
+      for (double flakes : {32'000.0, 36'000.0, 49'152.0, 60'000.0, 66'000.0, 1e6}) {
+        Law law{1, spread, depth};
+        law.mean_count = flakes / equal_flakes(law);
+        const double left = std::clamp(2 - flakes / 32'768, 0.0, 1.0);
+        const auto mean = static_cast<double>(law.mean());
+        const double deviation = static_cast<double>(std::sqrt(law.variance())) * left;
+        Moments sums{mean};
+        for (double sum : drawn<double>(law, n, ++stream)) sums.add(sum);
+        if (left == 0) {
+          EXPECT_NEAR(sums.mean(), mean, 1e-12 * mean) << law;
+          EXPECT_LE(sums.variance(), 1e-20 * mean * mean) << law;
+          continue;
+        }
+        EXPECT_LT(std::fabs(sums.mean() - mean), 5 * deviation / std::sqrt(n)) << law;
+        // Five standard errors, sqrt(2/n), of a normal variance.
+        EXPECT_NEAR(sums.variance() / (deviation * deviation), 1, 5 * std::sqrt(2.0 / n)) << law;
+      }
+    }
   }
 }
 

@@ -54,7 +54,8 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   std::feclearexcept(FE_ALL_EXCEPT);
   const auto expected = expect_sparkles(layer, scene.point<T>(), scene.seen<T>());
   const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
-  const auto drawn = draw_sparkles(expected, layer.area_spread, stream_key(1, 0, 2, 3), 5, 7);
+  const auto drawn =
+      draw_sparkles(expected, layer.flakes[0].area_spread, stream_key(1, 0, 2, 3), 5, 7);
   const Rgb<T> brdf =
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
   const auto lobe = sample_flake(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), T(0.7), T(0.3));

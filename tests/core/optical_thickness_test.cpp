@@ -207,17 +207,17 @@ TEST(OpticalThickness, FlatFlakesTakeTheirCosineTimesWhatTheyDoNotLetThrough) {
       const Rgb<double> blocked = blocked_area<double>(density, coating, nullptr, cosine);
       EXPECT_NEAR(blocked.x, cosine * (1 - cosine / 2), 2 * tilt * tilt)
           << "kind " << static_cast<int>(kind) << " cos " << cosine;
-      const Rgb<double> depth = slant_depth(0.7, blocked, Rgb<double>{}, cosine);
+      const Rgb<double> depth = slant_depth(blocked * 0.7, {}, cosine);
       EXPECT_NEAR(depth.x, 0.7 * (1 - cosine / 2), 2 * tilt * tilt / cosine);
     }
   }
 }
 
 TEST(OpticalThickness, BinderAddsItsDepthAlongTheSlantedPath) {
-  const Rgb<double> depth = slant_depth(2.0, Rgb<double>{0.1, 0.2, 0.3}, {1, 2, 4}, 0.5);
-  EXPECT_DOUBLE_EQ(depth.x, (2 * 0.1 + 1) / 0.5);
-  EXPECT_DOUBLE_EQ(depth.z, (2 * 0.3 + 4) / 0.5);
-  EXPECT_TRUE(std::isfinite(slant_depth(2.0, Rgb<double>{1, 1, 1}, {1, 1, 1}, 0.0).x));
+  const Rgb<double> depth = slant_depth(Rgb<double>{0.2, 0.4, 0.6}, {1, 2, 4}, 0.5);
+  EXPECT_DOUBLE_EQ(depth.x, (0.2 + 1) / 0.5);
+  EXPECT_DOUBLE_EQ(depth.z, (0.6 + 4) / 0.5);
+  EXPECT_TRUE(std::isfinite(slant_depth(Rgb<double>{2, 2, 2}, {1, 1, 1}, 0.0).x));
 }
 
 }  // namespace

@@ -160,7 +160,8 @@ void expect_finite(const Paint& paint, const std::string& what) {
   const SurfacePoint<T> point{{}, {0, 0, 1}, {T(0.6), 0, cosine}, T(1e-8), 3, 4};
   const SeenLight<T> light = see_light<T>({LightKind::parallel, {T(-0.5), 0, T(0.8)}, T(0.01)}, {});
   const auto expected = expect_sparkles(layer, point, light);
-  const auto drawn = draw_sparkles(expected, layer.area_spread, paint_stream(paint, 0), 3, 4);
+  const auto drawn =
+      draw_sparkles(expected, layer.flakes[0].area_spread, paint_stream(paint, 0), 3, 4);
   for (T value : {expected.mean_count, mean_radiance(expected).x, mean_radiance(expected).z,
                   radiance_variance(expected).y, drawn.count, drawn.radiance.x,
                   flake_brdf(layer, point.normal, point.view, Vec3<T>(light.direction)).z}) {
@@ -207,8 +208,8 @@ TEST(Paint, LayerIsInSiUnits) {
   paint.binder_absorption_per_mm = {1, 2, 3};
   paint.rayleigh_per_mm = 0.5;
   const auto layer = make_layer<double>(paint);
-  EXPECT_DOUBLE_EQ(layer.areal_density, 1e9);
-  EXPECT_NEAR(layer.flake_area, 3.14159265358979e-10, 1e-23);
+  EXPECT_DOUBLE_EQ(layer.flakes[0].areal_density, 1e9);
+  EXPECT_NEAR(layer.flakes[0].flake_area, 3.14159265358979e-10, 1e-23);
   EXPECT_NEAR(layer.coverage, 0.314159265358979, 1e-14);
   // H (16 pi/3 c1 + kappa)
   EXPECT_NEAR(layer.binder_depth.y, 0.04 * (16 * 3.14159265358979 / 3 * 0.5 + 2), 1e-13);

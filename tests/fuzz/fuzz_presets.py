@@ -39,6 +39,9 @@ VALUES = (
 KEYS = ("schema_version", "description", "paint", "", "a", "\ud800", "\0", "\x1b[2J", "k" * 5000)
 
 
+FIELDS = [field.name for field in dataclasses.fields(presets.Paint)]
+
+
 def seeds() -> Iterator[bytes]:
     for name in presets.names():
         yield (presets.FOLDER / f"{name}.json").read_bytes()
@@ -48,6 +51,7 @@ def seeds() -> Iterator[bytes]:
     yield least % b'"tilt": 0.1, "tilt": 0.1'
     yield (least % b"").ljust(presets.MAX_BYTES)
     yield (least % b"").ljust(presets.MAX_BYTES + 1)
+    yield least % b'"second": {"tilt": 0.1}, "third": {"flakes_per_mm2": 5}'
     for depth in (100, *range(900, 1001, 10), 10000):  # Python's recursion ends at 1000
         for where in (
             b'"tilt": %s',
@@ -68,7 +72,7 @@ def mutate(data: bytes, max_size: int, seed: int) -> bytes:
     try:
         content = json.loads(data)
         place = content["paint"] if chance.random() < 0.8 else content
-        keys = (*presets.PARAMETERS, *place) if chance.random() < 0.9 else KEYS
+        keys = (*FIELDS, *place) if chance.random() < 0.9 else KEYS
         place[chance.choice(keys)] = "%s"
         text = json.dumps(content).replace('"%s"', chance.choice(VALUES), 1)
     except (ValueError, RecursionError, TypeError, LookupError):
@@ -91,10 +95,17 @@ def read(data: bytes) -> None:
         assert len(said) <= LONGEST_SENTENCE
         assert said.isprintable()
         return
-    given = json.loads(data)["paint"]
-    for name, value in dataclasses.asdict(presets.Paint()).items():
-        wanted = given.get(name, value)
-        assert getattr(paint, name) == (tuple(wanted) if isinstance(wanted, list) else wanted)
+    expect(paint, json.loads(data)["paint"])
+
+
+def expect(made: presets.Flakes, given: dict[str, object]) -> None:
+    for field in dataclasses.fields(made):
+        value = getattr(made, field.name)
+        wanted = given.get(field.name, field.default)
+        if isinstance(wanted, dict):
+            expect(value, wanted)
+        else:
+            assert value == (tuple(wanted) if isinstance(wanted, list) else wanted)
 
 
 def main() -> None:
@@ -105,7 +116,7 @@ def main() -> None:
     for number, seed in enumerate(seeds()):
         (corpus / f"seed-{number}").write_bytes(seed)
     words = scratch / "words"
-    texts = [json.dumps(word) for word in (*presets.PARAMETERS, *KEYS[:3])]
+    texts = [json.dumps(word) for word in (*FIELDS, *KEYS[:3])]
     words.write_text("".join(f"{json.dumps(word)}\n" for word in texts))
     options = ["-timeout=10", "-rss_limit_mb=1024", f"-max_len={presets.MAX_BYTES + 1024}",
                f"-artifact_prefix={FOUND}/", f"-dict={words}"]  # fmt: skip

@@ -66,7 +66,7 @@ def check(
         predicted = verify.predict(as_the_core, slots, geometry, "float")
         none = np.zeros((SIZE, SIZE, 3))
         found = verify.compare(
-            as_the_core, geometry, predicted, 0, 0, count, none[..., 0], none, none
+            as_the_core, geometry, [predicted], 0, 0, [count], none[..., 0], none, none
         )
         assert found.unexplained == 0
 

@@ -12,7 +12,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 from metallic_paint import lights, material, presets, shader
-from metallic_paint.paint import PANELS, PARAMETERS, Paint, shader_value
+from metallic_paint.paint import PANELS, PARAMETERS, Flakes, Paint, shader_value, value_of
 
 Render = Callable[[], np.ndarray]
 
@@ -20,9 +20,20 @@ EVERYTHING_ELSE = Paint(
     flakes_per_mm2=1, flake_diameter_um=2, flake_area_spread=3, orientation="ggx", tilt=0.4,
     flake_spread=0.05, flake_color=(0.11, 0.12, 0.13), flake_edge_color=(0.21, 0.22, 0.23),
     flake_transmission=(0.31, 0.32, 0.33),
+    second=Flakes(
+        flakes_per_mm2=2, flake_diameter_um=3, flake_area_spread=4, orientation="ggx", tilt=0.5,
+        flake_spread=0.06, flake_color=(0.12, 0.13, 0.14), flake_edge_color=(0.22, 0.23, 0.24),
+        flake_transmission=(0.32, 0.33, 0.34),
+    ),
+    third=Flakes(
+        flakes_per_mm2=3, flake_diameter_um=4, flake_area_spread=5, orientation="beckmann",
+        tilt=0.6, flake_spread=0.07, flake_color=(0.13, 0.14, 0.15),
+        flake_edge_color=(0.23, 0.24, 0.25), flake_transmission=(0.33, 0.34, 0.35),
+    ),
     binder_ior=1.7, layer_thickness_um=18, binder_absorption_per_mm=(19, 20, 21),
-    rayleigh_per_mm=22, depth_model="thinned", radiometry="published", seed=23,
-    substrate_color=(0.51, 0.52, 0.53), coat_roughness=0.6,
+    rayleigh_per_mm=22, diffraction="none", depth_model="thinned", radiometry="published",
+    composition="published", seed=23, substrate_color=(0.51, 0.52, 0.53), texture_contrast=0.54,
+    coat_roughness=0.6, orange_peel=0.61, orange_peel_mm=62,
 )  # fmt: skip
 
 
@@ -30,9 +41,10 @@ def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
     parameters = ["int Frame = 0", "int Diagnostic = 0", "int DiagnosticLight = 0",
-                  "int OtherLight = 0", "float MetersPerUnit = 1", "normal Normal = N"]  # fmt: skip
+                  "int DiagnosticSpecies = 0", "int OtherLight = 0", "float MetersPerUnit = 1",
+                  "normal Normal = N", "normal CoatNormal = Normal"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
-        default = shader_value(name, getattr(paint, name))
+        default = shader_value(parameter, value_of(paint, name))
         if isinstance(default, tuple):
             parameters.append(f"color {parameter.shader} = color{default}")
         else:
@@ -121,9 +133,9 @@ def test_a_parameter_is_a_socket_with_panel_range_and_explanation(name: str) -> 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_the_defaults_of_shader_group_and_paint_are_the_same(name: str) -> None:
     parameter = PARAMETERS[name]
-    expected = shader_value(name, getattr(Paint(), name))
+    expected = shader_value(parameter, value_of(Paint(), name))
     for socket in (script_inputs()[parameter.shader], interface()[parameter.label]):
-        assert value_of(socket) == pytest.approx(expected)
+        assert value_in(socket) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
@@ -137,9 +149,12 @@ def test_panels_stand_in_order_and_diagnostics_are_closed() -> None:
     items = material.node_group().interface.items_tree
     panels = [item for item in items if item.item_type == "PANEL"]
     assert [panel.name for panel in panels] == [*PANELS, "Diagnostics"]
-    assert [panel.default_closed for panel in panels] == [False] * len(PANELS) + [True]
+    assert {panel.name for panel in panels if panel.default_closed} == {
+        "Second Flakes", "Third Flakes", "Diagnostics",
+    }  # fmt: skip
     assert {item.name: item.parent.name for item in items if item.name.startswith("Diagn")} == {
         "Diagnostics": "", "Diagnostic": "Diagnostics", "Diagnostic Light": "Diagnostics",
+        "Diagnostic Species": "Diagnostics",
     }  # fmt: skip
 
 
@@ -156,7 +171,7 @@ def test_labels_are_short_enough_for_the_editor() -> None:
     assert max(map(len, interface())) <= 24
 
 
-def value_of(socket: bpy.types.NodeSocket) -> float | tuple[float, ...]:
+def value_in(socket: bpy.types.NodeSocket) -> float | tuple[float, ...]:
     value = socket.default_value
     return value if isinstance(value, int | float) else tuple(value)[:3]
 
@@ -168,12 +183,12 @@ def value_of(socket: bpy.types.NodeSocket) -> float | tuple[float, ...]:
 def test_a_material_has_the_values_of_its_paint(paint: Paint) -> None:
     node = material.paint_node(material.create(paint))
     for name, parameter in PARAMETERS.items():
-        expected = shader_value(name, getattr(paint, name))
-        assert value_of(node.inputs[parameter.label]) == pytest.approx(expected), name
+        expected = shader_value(parameter, value_of(paint, name))
+        assert value_in(node.inputs[parameter.label]) == pytest.approx(expected), name
 
 
 def test_every_field_differs_in_the_other_paint() -> None:
-    assert not [n for n in PARAMETERS if getattr(EVERYTHING_ELSE, n) == getattr(Paint(), n)]
+    assert not [n for n in PARAMETERS if value_of(EVERYTHING_ELSE, n) == value_of(Paint(), n)]
 
 
 def test_applying_a_paint_changes_one_material_only() -> None:
@@ -326,9 +341,9 @@ def test_every_value_of_a_paint_reaches_the_shader(
     use_source(probe(shown))
     paint = material.create(EVERYTHING_ELSE)
     material.assign(plane, paint)
-    for i, name in enumerate(PARAMETERS):
+    for i, (name, parameter) in enumerate(PARAMETERS.items()):
         material.paint_node(paint).inputs["Diagnostic"].default_value = i
-        expected = shader_value(name, getattr(EVERYTHING_ELSE, name))
+        expected = shader_value(parameter, value_of(EVERYTHING_ELSE, name))
         np.testing.assert_allclose(render()[8, 8], expected, rtol=1e-6, err_msg=name)
 
 

@@ -6,6 +6,8 @@ The full sizes, with the statistics of the sparkles, are ./paint verify's.
 
 from __future__ import annotations
 
+import dataclasses
+
 import bpy
 import numpy as np
 import pytest
@@ -24,7 +26,8 @@ def test_pixels_are_those_of_the_core(spec: verify_scenes.Scene) -> None:
     probe = verify.Probe(scene, [item.active_material])
     geometry, slots = probe.geometry(), verify.core_lights()
     paint = core_paint(spec.paint)
-    predicted = verify.predict(paint, slots, geometry, "float")
+    in_use = [i for i, f in enumerate(spec.paint.species) if f.flakes_per_mm2 > 0]
+    predicted = [verify.predict(paint, slots, geometry, "float", i) for i in in_use]
     lamp = lights.fill(scene).slots[0]
     assert geometry.hit.mean() > 0.1
     comparison = verify.compare(
@@ -33,7 +36,7 @@ def test_pixels_are_those_of_the_core(spec: verify_scenes.Scene) -> None:
         predicted,
         light=0,
         leader=0,
-        count=probe.image(verify.COUNT)[..., 0],
+        counts=[probe.image(verify.COUNT, 0, i)[..., 0] for i in in_use],
         cone=probe.image(verify.CONE)[..., 0],
         picture=probe.lit_by([lamp], verify.SPARKLES),
         irradiance=probe.lit_by([lamp], verify.IRRADIANCE),
@@ -49,12 +52,12 @@ def test_a_wrong_prediction_is_found_out() -> None:
     item = verify_scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
     geometry, slots = probe.geometry(), verify.core_lights()
-    paint = core_paint(spec.paint, seed=spec.paint.seed + 1)
+    paint = core_paint(dataclasses.replace(spec.paint, seed=spec.paint.seed + 1))
     predicted = verify.predict(paint, slots, geometry, "float")
     empty = np.zeros((SIZE, SIZE, 3), np.float32)
     count = probe.image(verify.COUNT)[..., 0]
     comparison = verify.compare(
-        paint, geometry, predicted, 0, 0, count, empty[..., 0], empty, empty
+        paint, geometry, [predicted], 0, 0, [count], empty[..., 0], empty, empty
     )
     assert comparison.unexplained > 10
 

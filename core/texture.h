@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Regular texture (paper, 5.1 and 5.2): the light scattered several times fluctuates from pixel to
+// pixel as c sqrt(Sigma_0/Sigma), c its relative deviation over the reference area Sigma_0 = 1 mm2.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "elementary.h"
+
+namespace metallic_paint {
+
+// Pixels finer than the grain see no more contrast: the relative deviation ends at 1.
+template <class T>
+T texture_deviation(T contrast, T footprint) {
+  return std::min(contrast * T(0.001) / std::sqrt(std::max(footprint, T(1e-20))), T(1));
+}
+
+// A positive factor of mean 1 and that relative deviation d, from a standard normal deviate w: the
+// lognormal e^(s w - s^2/2), s^2 = ln(1 + d^2). The paper's normal one falls below 0.
+template <class T>
+T texture_factor(T contrast, T footprint, T w) {
+  const T deviation = texture_deviation(contrast, footprint);
+  const T square = logarithm(1 + deviation * deviation);
+  return exponential(std::sqrt(square) * w - T(0.5) * square);
+}
+
+}  // namespace metallic_paint
