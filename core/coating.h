@@ -122,9 +122,10 @@ Rgb<T> coating_transmittance(const Coating<T>& coating, T cos_alpha) {
   const int kind = static_cast<int>(coating.kind);
   if (kind == 0) return coating.transmittance;
   if (!is_clear(coating.kind)) return {};
-  if (kind < kFirstIron) return grey(T(1)) - coating_reflectance(coating, cos_alpha);
-  const int row = coating_row(kind) + (kCoatingKinds - kFirstIron) * kCoatingRows;
-  return interpolate_library(row, coating.thickness_nm, cos_alpha);
+  const bool absorbing = kind >= kFirstIron;
+  const int row = coating_row(kind) + (absorbing ? (kCoatingKinds - kFirstIron) * kCoatingRows : 0);
+  const Rgb<T> value = interpolate_library(row, coating.thickness_nm, cos_alpha);
+  return absorbing ? value : grey(T(1)) - value;
 }
 
 }  // namespace metallic_paint

@@ -120,10 +120,12 @@ Rgb<T> blocked_area(const OrientationDensity<T>& density, const Coating<T>& coat
   if (table != nullptr) return interpolate(table->blocked, cos_theta);
   const T area = mean_projected_area(density, cos_theta);
   if (coating.table == nullptr) {
-    // All but these have one transmittance for all angles.
-    const Rgb<T> passed = is_clear(coating.kind)
-                              ? mean_flake_transmittance(density, coating, cos_theta)
-                              : coating_transmittance(coating, T(1));
+    Rgb<T> passed{};
+    if (coating.kind == CoatingKind::colors) {
+      passed = coating.transmittance;
+    } else if (is_clear(coating.kind)) {
+      passed = mean_flake_transmittance(density, coating, cos_theta);
+    }
     return (grey(T(1)) - passed) * area;
   }
   return grey(area) - mean_transmitted_area(density, coating, cos_theta);

@@ -75,8 +75,12 @@ color coating_transmittance(Coating coating, float library[], float cos_alpha)
     return coating.transmittance;
   if (!is_clear(coating.kind))
     return color(0.0);
-  if (coating.kind < COATING_FIRST_IRON)
-    return color(1.0) - coating_reflectance(coating, library, cos_alpha);
-  int row = coating_row(coating.kind) + (COATING_KINDS - COATING_FIRST_IRON) * COATING_ROWS;
-  return interpolate_library(library, row, coating.thickness_nm, cos_alpha);
+  int absorbing = coating.kind >= COATING_FIRST_IRON;
+  int row = coating_row(coating.kind);
+  if (absorbing)
+    row = row + (COATING_KINDS - COATING_FIRST_IRON) * COATING_ROWS;
+  color value = interpolate_library(library, row, coating.thickness_nm, cos_alpha);
+  if (absorbing)
+    return value;
+  return color(1.0) - value;
 }

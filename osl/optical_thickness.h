@@ -30,11 +30,11 @@ color mean_flake_transmittance(OrientationDensity density, Coating coating, floa
 color blocked_area(OrientationDensity density, Coating coating, float library[], float cos_theta)
 {
   float area = mean_projected_area(density, cos_theta);
-  color passed;
-  if (is_clear(coating.kind))
+  color passed = color(0.0);
+  if (coating.kind == COATING_COLORS)
+    passed = coating.transmittance;
+  else if (is_clear(coating.kind))
     passed = mean_flake_transmittance(density, coating, library, cos_theta);
-  else
-    passed = coating_transmittance(coating, library, 1.0);
   return (color(1.0) - passed) * area;
 }
 

@@ -48,12 +48,15 @@ NODES = 33
 DIGITS = 4
 
 # The shader's coatings (CoatingKind in core/coating.h, in its order): a flake of NAMES and its
-# platelet's thickness in nm where that is not the usual. Of silica platelets from 200 to 700 nm,
-# 280 (gold to green), 220 (green to
-# violet) and for iron 240 (blue to copper) turn the farthest with the angle.
-METALS = {
-    name: name for name in ("aluminium", "silver", "gold", "copper")
-} | {"bronze": "bronze-90-10", "brass": "bronze-70-30", "chromium": "chromium", "nickel": "nickel"}
+# platelet's thickness in nm where that is not the usual. Of silica platelets from 200 to 720 nm
+# these turn the farthest with the angle: 280 (gold to green, blue to violet), 220 (green to purple)
+# and under iron 240 (blue to copper).
+METALS = {name: name for name in ("aluminium", "silver", "gold", "copper")} | {
+    "bronze": "bronze-90-10",
+    "brass": "bronze-70-30",
+    "chromium": "chromium",
+    "nickel": "nickel",
+}
 PEARLS = {
     "tio2-on-mica": ("tio2-on-mica", None),
     "tio2-on-silica": ("tio2-on-silica", 280.0),
