@@ -11,6 +11,7 @@
 #include <string>
 
 #include "optical_thickness.h"
+#include "reference/flake_normals.h"
 #include "reference/optics.h"
 #include "support.h"
 #include "validation.h"
@@ -134,6 +135,28 @@ TEST(CoatingLibrary, FourFlakesStandForAll) {
     mica[range].expect_at_most(on_mica[range], std::string("mica_") + names[range]);
     silica[range].expect_at_most(on_silica[range], std::string("silica_") + names[range]);
   }
+}
+
+TEST(CoatingLibrary, ReferencesLetThroughWhatTheDoubleIntegralDoes) {
+  Worst worst;
+  for (Orientation shape : {Orientation::gaussian, Orientation::beckmann, Orientation::ggx}) {
+    for (double tilt : {0.05, 0.3}) {
+      const auto density = make_orientation<double>(shape, tilt);
+      const reference::FlakeNormals normals(shape, tilt);
+      for (int kind : {9, 10, 13}) {
+        const auto which = static_cast<CoatingKind>(kind);
+        for (double cosine : {0.3, 0.75, 1.0}) {
+          const Rgb<double> ours = normals.transmitted_area(
+              cosine, [&](double c) { return reference::library_transmittance(which, 77, c); });
+          const Rgb<double> exact =
+              mean_transmitted_area(density, library_coating<double>(kind, 77), cosine);
+          worst.see(largest(ours - exact), "shape", static_cast<int>(shape), "tilt", tilt, "kind",
+                    kind, "cos", cosine);
+        }
+      }
+    }
+  }
+  worst.expect_at_most(1e-4);
 }
 
 TEST(CoatingLibrary, FlatFlakesTransmitAtTheAngleOfTheRay) {
