@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "module.h"
 #include "paint.h"
+#include "validation.h"
 
 namespace py = pybind11;
 using namespace metallic_paint;
@@ -120,4 +121,35 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
       },
       py::arg("paint"), py::arg("normal"), py::arg("view"), py::arg("light"),
       R"doc(The mean of the sparkles as a BRDF, 1/sr: (n, 3) from unit vectors (n, 3).)doc");
+  module.def(
+      "library_coating",
+      [](py::handle kinds, py::handle thickness_nm, py::handle cos_alpha) {
+        const Array<std::int32_t> kind = whole_numbers("coating", kinds);
+        const Array<double> nm = numbers("coating_nm", thickness_nm),
+                            cosine = numbers("cos_alpha", cos_alpha);
+        const py::ssize_t size = kind.size();
+        require_shape("coating", kind, {size});
+        require_shape("coating_nm", nm, {size});
+        require_shape("cos_alpha", cosine, {size});
+        py::array_t<float> colours({py::ssize_t{2}, size, py::ssize_t{3}});
+        for (py::ssize_t i = 0; i < size; ++i) {
+          require_coating("coating", kind.at(i), nm.at(i));
+          validate_cosine(cosine.at(i));
+          Coating<float> coating{};
+          coating.kind = static_cast<CoatingKind>(kind.at(i));
+          coating.thickness_nm = static_cast<float>(nm.at(i));
+          const auto c = static_cast<float>(cosine.at(i));
+          const Rgb<float> both[2] = {coating_reflectance(coating, c),
+                                      coating_transmittance(coating, c)};
+          for (py::ssize_t j = 0; j < 2; ++j) {
+            float* out = colours.mutable_data(j, i, 0);
+            out[0] = both[j].x, out[1] = both[j].y, out[2] = both[j].z;
+          }
+        }
+        return colours;
+      },
+      py::arg("coating"), py::arg("coating_nm"), py::arg("cos_alpha"),
+      R"doc(Reflectance and transmittance of coatings of the library, (2, n, 3), as the shader has them.
+
+coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)doc");
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "vector.h"
@@ -25,18 +26,90 @@ Rgb<T> interpolate(const std::vector<Rgb<T>>& values, T cosine) {
   return values[i] * (1 - f) + values[i + 1] * f;
 }
 
-// Schlick's metal with a transmittance that does not depend on the angle; equal colours at normal
-// and grazing incidence give a constant coating. A table, where there is one, replaces them (core
-// only).
+// What a flake is made of. colors: Schlick's metal of the paint's own colours; the others have
+// measured indices and stand in the library. The thickness in nm is that of the pearls' coating, on
+// either face; a metal has none.
+enum class CoatingKind {
+  colors = 0,
+  aluminium = 1,
+  silver = 2,
+  gold = 3,
+  copper = 4,
+  bronze = 5,  // 90 % copper, 10 % zinc
+  brass = 6,   // 70 % copper, 30 % zinc
+  chromium = 7,
+  nickel = 8,
+  tio2_on_mica = 9,
+  tio2_on_silica = 10,
+  tio2_on_thin_silica = 11,
+  fe2o3_on_mica = 12,
+  fe2o3_on_silica = 13,
+  fe2o3_on_aluminium = 14
+};
+inline constexpr int kCoatingKinds = 15;
+inline constexpr double kMostCoatingNm = 200;
+
+// tools/coatings.py --library: rows of kCoatingNodes colours over the angle; a row of reflectances
+// for each metal, then kCoatingRows of them, 5 nm apart, for each pearl; at last the transmittances
+// of Fe2O3 on mica and on silica likewise. Titania, mica and silica absorb nothing, so there t = 1
+// - r; nothing passes a metal. Four digits: the model's data, the same for every T.
+inline constexpr int kCoatingNodes = 13;
+inline constexpr int kCoatingRows = 41;
+inline constexpr double kCoatingLibrary[] = {
+#include "coating_library.inc"
+};
+inline constexpr int kFirstPearl = static_cast<int>(CoatingKind::tio2_on_mica);
+inline constexpr int kPearls = kCoatingKinds - kFirstPearl;
+inline constexpr int kFirstIron = static_cast<int>(CoatingKind::fe2o3_on_mica);
+
+// Whether flakes let light through, and how much depends on the angle.
+inline bool is_clear(CoatingKind kind) {
+  return static_cast<int>(kind) >= kFirstPearl && kind != CoatingKind::fe2o3_on_aluminium;
+}
+
+// First row of a kind's reflectances.
+inline int coating_row(int kind) {
+  return kind < kFirstPearl ? kind - 1 : kFirstPearl - 1 + (kind - kFirstPearl) * kCoatingRows;
+}
+
+// Bilinear in the thickness and in the cosine, whose nodes lie 1/24 apart where light reaches
+// flakes through a surface (alpha <= 42 degrees for a binder of 1.5), and 1/6 below 2/3.
+template <class T>
+Rgb<T> interpolate_library(int first_row, T thickness_nm, T cosine) {
+  const T row = std::clamp(thickness_nm, T(0), T(kMostCoatingNm)) * T(0.2);
+  const int i = std::min(static_cast<int>(row), kCoatingRows - 2);
+  const T v = row - static_cast<T>(i);
+  const T c = std::clamp(cosine, T(0), T(1));
+  const T node = std::max(6 * c, 24 * c - 12);
+  const int j = std::min(static_cast<int>(node), kCoatingNodes - 2);
+  const T w = node - static_cast<T>(j);
+  const auto at = [&](int r, int n) {
+    const double* rgb = kCoatingLibrary + 3 * ((first_row + i + r) * kCoatingNodes + j + n);
+    return Rgb<T>{static_cast<T>(rgb[0]), static_cast<T>(rgb[1]), static_cast<T>(rgb[2])};
+  };
+  return (at(0, 0) * (1 - w) + at(0, 1) * w) * (1 - v) + (at(1, 0) * (1 - w) + at(1, 1) * w) * v;
+}
+
+// Of kind colors: Schlick's metal with a transmittance that does not depend on the angle; equal
+// colours at normal and grazing incidence give a constant coating. A table, where there is one,
+// replaces colours and kind (core only).
 template <class T>
 struct Coating {
   Rgb<T> normal_reflectance, grazing_reflectance, transmittance;
   const CoatingTable<T>* table = nullptr;
+  CoatingKind kind = CoatingKind::colors;
+  T thickness_nm = 0;
 };
 
 template <class T>
 Rgb<T> coating_reflectance(const Coating<T>& coating, T cos_alpha) {
   if (coating.table != nullptr) return interpolate(coating.table->reflectance, cos_alpha);
+  const int kind = static_cast<int>(coating.kind);
+  if (kind > 0) {
+    // A metal's only row is met at 0 nm.
+    const T thickness = kind < kFirstPearl ? T(0) : coating.thickness_nm;
+    return interpolate_library(coating_row(kind), thickness, cos_alpha);
+  }
   const T x = std::max(1 - cos_alpha, T(0));
   const T schlick = x * x * x * x * x;
   return coating.normal_reflectance +
@@ -46,7 +119,13 @@ Rgb<T> coating_reflectance(const Coating<T>& coating, T cos_alpha) {
 template <class T>
 Rgb<T> coating_transmittance(const Coating<T>& coating, T cos_alpha) {
   if (coating.table != nullptr) return interpolate(coating.table->transmittance, cos_alpha);
-  return coating.transmittance;
+  const int kind = static_cast<int>(coating.kind);
+  if (kind == 0) return coating.transmittance;
+  if (!is_clear(coating.kind)) return {};
+  const bool absorbing = kind >= kFirstIron;
+  const int row = coating_row(kind) + (absorbing ? (kCoatingKinds - kFirstIron) * kCoatingRows : 0);
+  const Rgb<T> value = interpolate_library(row, coating.thickness_nm, cos_alpha);
+  return absorbing ? value : grey(T(1)) - value;
 }
 
 }  // namespace metallic_paint

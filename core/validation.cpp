@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "coating.h"
+
 namespace metallic_paint {
 
 std::string text(double value, int digits) {
@@ -40,6 +42,14 @@ void require_colour(const std::string& field, Rgb<double> value, double most,
   require_range(field + ".r", value.x, 0, most, unit);
   require_range(field + ".g", value.y, 0, most, unit);
   require_range(field + ".b", value.z, 0, most, unit);
+}
+
+void require_coating(const std::string& field, int kind, double nm) {
+  if (kind < 0 || kind >= kCoatingKinds) {
+    reject(field, kind,
+           "from 0 (colors) to " + std::to_string(kCoatingKinds - 1) + " (fe2o3-on-aluminium)");
+  }
+  require_range(field + "_nm", nm, 0, kMostCoatingNm, " nm");
 }
 
 bool is_unit(double square) { return std::abs(square - 1) < 2e-3; }

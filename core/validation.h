@@ -23,6 +23,9 @@ void require_range(const std::string& field, double value, double least, double 
 void require_colour(const std::string& field, Rgb<double> value, double most,
                     const std::string& unit = "");
 
+// A CoatingKind in `field` and its thickness in `field`_nm.
+void require_coating(const std::string& field, int kind, double nm);
+
 // Vectors come as floats: unit length to a thousandth.
 bool is_unit(double square);
 void require_unit(const std::string& field, Vec3<double> direction);

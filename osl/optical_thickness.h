@@ -7,10 +7,35 @@
 #include "orientation.h"
 #include "refraction.h"
 
-color blocked_area(OrientationDensity density, Coating coating, float cos_theta)
+color mean_flake_transmittance(OrientationDensity density, Coating coating, float library[], float cos_theta)
+{
+  float sin_theta = sqrt(max(1.0 - cos_theta, 0.0) * (1.0 + cos_theta));
+  color sum = color(0.0);
+  float area = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    SampledTilt tilt = sample_tilt(density, i == 0 ? 0.211324865 : 0.788675135);
+    float h = tilt.sin2_half_beta;
+    float a = cos_theta * (1.0 - 2.0 * h);
+    float b = sin_theta * (1.41421356 * sqrt(h * (1.0 - h)));
+    for (int side = 0; side < 2; ++side) {
+      float cosine = fabs(side == 0 ? a + b : a - b);
+      float weight = tilt.weight * cosine;
+      sum = sum + coating_transmittance(coating, library, cosine) * weight;
+      area = area + weight;
+    }
+  }
+  return sum / area;
+}
+
+color blocked_area(OrientationDensity density, Coating coating, float library[], float cos_theta)
 {
   float area = mean_projected_area(density, cos_theta);
-  return (color(1.0) - coating.transmittance) * area;
+  color passed = color(0.0);
+  if (coating.kind == COATING_COLORS)
+    passed = coating.transmittance;
+  else if (is_clear(coating.kind))
+    passed = mean_flake_transmittance(density, coating, library, cos_theta);
+  return (color(1.0) - passed) * area;
 }
 
 color slant_depth(color blocking, color binder_depth, float cos_theta)

@@ -47,6 +47,29 @@ BINDER_IOR = 1.5
 NODES = 33
 DIGITS = 4
 
+# The shader's coatings (CoatingKind in core/coating.h, in its order): a flake of NAMES and its
+# platelet's thickness in nm where that is not the usual. Of silica platelets from 200 to 720 nm
+# these turn the farthest with the angle: 280 (gold to green, blue to violet), 220 (green to purple)
+# and under iron 240 (blue to copper).
+METALS = {name: name for name in ("aluminium", "silver", "gold", "copper")} | {
+    "bronze": "bronze-90-10",
+    "brass": "bronze-70-30",
+    "chromium": "chromium",
+    "nickel": "nickel",
+}
+PEARLS = {
+    "tio2-on-mica": ("tio2-on-mica", None),
+    "tio2-on-silica": ("tio2-on-silica", 280.0),
+    "tio2-on-thin-silica": ("tio2-on-silica", 220.0),
+    "fe2o3-on-mica": ("fe2o3-on-mica", None),
+    "fe2o3-on-silica": ("fe2o3-on-silica", 240.0),
+    "fe2o3-on-aluminium": ("fe2o3-on-aluminium", None),
+}
+PASSING = ("fe2o3-on-mica", "fe2o3-on-silica")  # absorb, and let light through
+LIBRARY_NM = np.linspace(0, 200, 41)
+# Where max(6 c, 24 c - 12) is whole.
+LIBRARY_COSINES = np.concatenate([np.arange(4) / 6, (np.arange(4, 13) + 12) / 24])
+
 
 def index(material: str) -> NDArray[np.complex128]:
     """n + ik at WAVELENGTHS: the published formula, or linear between the published points."""
@@ -147,14 +170,45 @@ class Table:
     clipped: float  # the most by which a value had to move to be a share of energy
 
 
-def table(flake: Flake, binder_ior: float = BINDER_IOR, nodes: int = NODES) -> Table:
-    """Clipped to r in [0, 1], then t in [0, 1 - r], and rounded to DIGITS."""
+def table(
+    flake: Flake,
+    binder_ior: float = BINDER_IOR,
+    nodes: int = NODES,
+    cosines: ArrayLike | None = None,
+) -> Table:
+    """Clipped to r in [0, 1], then t in [0, 1 - r], and rounded to DIGITS.
+
+    At `nodes` equal steps of the cosine, or at `cosines`.
+    """
     _require("nodes", nodes, 2, 4096, "")
-    reflectance, transmittance = colours(flake, np.linspace(0, 1, nodes), binder_ior)
+    if cosines is None:
+        cosines = np.linspace(0, 1, nodes)
+    reflectance, transmittance = colours(flake, cosines, binder_ior)
     r = np.clip(reflectance, 0, 1).round(DIGITS)
     t = np.clip(transmittance, 0, 1 - r).round(DIGITS)
     moved = max(np.abs(r - reflectance).max(), np.abs(t - transmittance).max())
     return Table(r, t, float(moved))
+
+
+def library_flake(kind: str, coating_nm: float) -> Flake:
+    """A flake of METALS, whatever the thickness, or of PEARLS."""
+    if kind in METALS:
+        return named_flake(METALS[kind])
+    name, platelet_nm = PEARLS[kind]
+    return named_flake(name, coating_nm, platelet_nm)
+
+
+def library() -> str:
+    """The shader's table, as core/coating.h reads it: a line for each flake, numbers alone."""
+    tables = {name: [_library_table(name, 0.0)] for name in METALS}
+    tables |= {name: [_library_table(name, nm) for nm in LIBRARY_NM] for name in PEARLS}
+    rows = [each.reflectance for kind in tables.values() for each in kind]
+    rows += [each.transmittance for name in PASSING for each in tables[name]]
+    return ",\n".join(", ".join(f"{x:.{DIGITS}f}" for x in row.flat) for row in rows) + "\n"
+
+
+def _library_table(kind: str, coating_nm: float) -> Table:
+    return table(library_flake(kind, coating_nm), cosines=LIBRARY_COSINES)
 
 
 def _require(field: str, value: float, least: float, most: float, unit: str) -> None:
@@ -201,12 +255,18 @@ def main() -> int:
         "--plot", type=Path, metavar="FILE",
         help="draw its colours (needs the packages of requirements/accuracy.txt)",
     )  # fmt: skip
+    parser.add_argument(
+        "--library", action="store_true", help="print core/coating_library.inc, the shader's table"
+    )
     arguments = parser.parse_args()
+    if arguments.library:
+        print(library(), end="")
+        return 0
     if arguments.list:
         print(_list())
         return 0
     if arguments.name is None:
-        parser.error("name a flake, or ask for --list")
+        parser.error("name a flake, or ask for --list or --library")
     try:
         flake = named_flake(
             arguments.name, arguments.thickness, arguments.platelet, arguments.spread

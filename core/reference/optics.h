@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "../paint.h"
 
@@ -60,6 +62,53 @@ inline double rayleigh_depth(const Paint& paint) {
 // kappa H
 inline Rgb<double> absorption_depth(const Paint& paint) {
   return paint.binder_absorption_per_mm * (paint.layer_thickness_um * 1e-3);
+}
+
+// The library's numbers (core/coating_library.inc, laid out as tools/coatings.py writes them), read
+// by the cosines of their nodes: a row of 13 colours for each of 8 metals, 41 rows 5 nm apart for
+// each of 6 pearls, and the transmittances of Fe2O3 on mica and silica. kind and nm: as in
+// CoatingKind, not 0; kind is that of the reflectances, or 15 and 16 for these transmittances.
+inline Rgb<double> library_colour(int kind, double nm, double cos_alpha) {
+  constexpr int nodes = 13, rows = 41, metals = 8;
+  static const std::vector<double> numbers{
+#include "../coating_library.inc"
+  };
+  static const std::vector<double> cosines{0,        1 / 6.,   1 / 3.,   1 / 2.,   16 / 24.,
+                                           17 / 24., 18 / 24., 19 / 24., 20 / 24., 21 / 24.,
+                                           22 / 24., 23 / 24., 1};
+  const auto above = std::upper_bound(cosines.begin() + 1, cosines.end() - 1, cos_alpha);
+  const double share = (cos_alpha - above[-1]) / (above[0] - above[-1]);
+  const auto node = static_cast<int>(above - cosines.begin());
+  const auto at_row = [&](int row) {
+    const double* high = &numbers[static_cast<std::size_t>(3 * (nodes * row + node))];
+    const double* low = high - 3;
+    return Rgb<double>{low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]),
+                       low[2] + share * (high[2] - low[2])};
+  };
+  if (kind <= metals) return at_row(kind - 1);
+  const int thinner = std::min(static_cast<int>(std::floor(nm / 5)), rows - 2);
+  const int row = metals + rows * (kind - metals - 1) + thinner;
+  const Rgb<double> below = at_row(row);
+  return below + (at_row(row + 1) - below) * (nm / 5 - thinner);
+}
+
+inline Rgb<double> library_reflectance(CoatingKind kind, double nm, double cos_alpha) {
+  return library_colour(static_cast<int>(kind), nm, cos_alpha);
+}
+
+inline Rgb<double> library_transmittance(CoatingKind kind, double nm, double cos_alpha) {
+  switch (kind) {
+    case CoatingKind::tio2_on_mica:
+    case CoatingKind::tio2_on_silica:
+    case CoatingKind::tio2_on_thin_silica:
+      return grey(1.0) - library_reflectance(kind, nm, cos_alpha);
+    case CoatingKind::fe2o3_on_mica:
+      return library_colour(15, nm, cos_alpha);
+    case CoatingKind::fe2o3_on_silica:
+      return library_colour(16, nm, cos_alpha);
+    default:
+      return {};
+  }
 }
 
 // Schlick.

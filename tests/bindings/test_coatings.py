@@ -246,6 +246,80 @@ def test_a_paint_shows_the_coatings_colour() -> None:
     np.testing.assert_allclose(mean[0] / mean[1], table.reflectance[-1], rtol=1e-6)
 
 
+LIBRARY_FILE = Path(coatings.__file__).parents[1] / "core" / "coating_library.inc"
+
+
+def test_the_library_is_what_the_tool_makes() -> None:
+    assert LIBRARY_FILE.read_text() == coatings.library(), (
+        "make it anew: tools/coatings.py --library > core/coating_library.inc"
+    )
+
+
+def test_the_library_s_order_is_the_core_s() -> None:
+    """By name, at a node of the angle: the last, cos(alpha) = 1."""
+    for i, name in enumerate([*coatings.METALS, *coatings.PEARLS]):
+        table = coatings.table(coatings.library_flake(name, 60.0), cosines=[1.0])
+        r, t = core.library_coating([i + 1], [60.0], [1.0])[:, 0]
+        np.testing.assert_allclose(r, table.reflectance[0], atol=1e-6)
+        # Metal lets a few parts in ten thousand through at its usual thickness, the library none.
+        np.testing.assert_allclose(t, table.transmittance[0], atol=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "inside", "anywhere"),
+    [  # largest error of any colour for cos(alpha) from 0.7 on, and from 0 on
+        *((name, 0.0003, 0.08) for name in coatings.METALS),
+        ("tio2-on-mica", 0.0125, 0.25),
+        ("tio2-on-silica", 0.0355, 0.56),
+        ("tio2-on-thin-silica", 0.0325, 0.41),
+        ("fe2o3-on-mica", 0.042, 0.24),
+        ("fe2o3-on-silica", 0.05, 0.48),
+        ("fe2o3-on-aluminium", 0.018, 0.28),
+    ],
+)
+def test_the_library_errs_as_stated(name: str, inside: float, anywhere: float) -> None:
+    """Half way between the thicknesses, where a linear interpolation errs most."""
+    kind = 1 + [*coatings.METALS, *coatings.PEARLS].index(name)
+    cosine = np.concatenate([np.linspace(0, 0.7, 15)[:-1], np.linspace(0.7, 1, 37)])
+    worst = np.zeros(len(cosine))
+    for nm in (60.0,) if name in coatings.METALS else np.arange(2.5, 200, 7.5 * 2):
+        exact = np.array(coatings.colours(coatings.library_flake(name, nm), cosine))
+        exact[0] = np.clip(exact[0], 0, 1)
+        exact[1] = np.clip(exact[1], 0, 1 - exact[0])
+        ours = core.library_coating([kind] * len(cosine), [nm] * len(cosine), cosine)
+        worst = np.maximum(worst, np.abs(ours - exact).max(axis=(0, 2)))
+    assert worst[cosine >= 0.7].max() < inside
+    assert worst.max() < anywhere
+
+
+@pytest.mark.parametrize(
+    ("name", "coating_nm", "orders"),
+    [  # channels from the strongest to the weakest, alpha 0 and 40 degrees
+        ("tio2-on-thin-silica", 70, ("GBR", "RBG")),  # green to purple
+        ("tio2-on-silica", 80, ("RGB", "GBR")),  # gold to green
+        ("tio2-on-silica", 120, ("BGR", "BRG")),  # blue to violet
+    ],
+)
+def test_flakes_on_silica_flip(name: str, coating_nm: float, orders: tuple[str, str]) -> None:
+    kind = 1 + [*coatings.METALS, *coatings.PEARLS].index(name)
+    r = core.library_coating([kind] * 2, [coating_nm] * 2, np.cos(np.radians([0, 40])))[0]
+    assert tuple("".join("RGB"[i] for i in np.argsort(-colour)) for colour in r) == orders
+
+
+@pytest.mark.parametrize(
+    ("coating", "nm", "message"),
+    [
+        (15, 60, r"coating is 15, but must be from 0 \(colors\) to 14"),
+        (-1, 60, "coating is -1"),
+        (9, 200.5, "coating_nm is 200.5, but must be from 0 to 200 nm"),
+        (9, np.nan, "coating_nm is nan"),
+    ],
+)
+def test_bad_coatings_are_named(coating: int, nm: float, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        core.library_coating([coating], [nm], [1.0])
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

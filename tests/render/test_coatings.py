@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The coating library in the shader: bit for bit what the core reads from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import metallic_paint_core as core
+import numpy as np
+import pytest
+from metallic_paint import shader, verify
+
+SIZE = 64
+ROOT = Path(shader.__file__).resolve().parents[2]
+
+# Thickness from left to right, cosine upwards, from end to end.
+PROBE = """#include "{osl}/coating.h"
+shader probe(
+  int Kind = 0,
+  int Show = 0,
+  float Library[] = {{
+#include "{core}/coating_library.inc"
+  }},
+  output color Shown = 0.0)
+{{
+  point raster = transform("raster", P);
+  int x = (int)floor(raster[0]), y = (int)floor(raster[1]);
+  Coating coating;
+  coating.normal_reflectance = color(0.1, 0.2, 0.3);
+  coating.grazing_reflectance = color(0.4, 0.5, 0.6);
+  coating.transmittance = color(0.15, 0.25, 0.35);
+  coating.kind = Kind;
+  coating.thickness_nm = x * 3.171875;
+  float cosine = y / {last};
+  if (Show == 2)
+    Shown = color(coating.thickness_nm, cosine, 1.0);
+  else if (Show == 1)
+    Shown = coating_transmittance(coating, Library, cosine);
+  else
+    Shown = coating_reflectance(coating, Library, cosine);
+}}
+"""
+
+
+@pytest.fixture
+def probe(tmp_path: Path) -> tuple[bpy.types.Scene, bpy.types.ShaderNodeScript]:
+    """A plane that fills the picture and shows the probe's colour."""
+    scene = bpy.context.scene
+    verify.make_noiseless(scene)
+    scene.render.engine = "CYCLES"
+    scene.cycles.shading_system = True
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    bpy.ops.mesh.primitive_plane_add(size=4)
+    plane = bpy.context.object
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location = (0, 0, 1)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+
+    file = tmp_path / "probe.osl"
+    file.write_text(PROBE.format(osl=ROOT / "osl", core=ROOT / "core", last=f"{SIZE - 1}.0"))
+    text = bpy.data.texts.new("probe.osl")
+    text.write(shader.flatten(file))
+    material = bpy.data.materials.new("Probe")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new("ShaderNodeScript")
+    emission = tree.nodes.new("ShaderNodeEmission")
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    shader.compile_into(node, text)
+    tree.links.new(node.outputs["Shown"], emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    plane.data.materials.append(material)
+    return scene, node
+
+
+def shown(
+    probe: tuple[bpy.types.Scene, bpy.types.ShaderNodeScript], kind: int, show: int
+) -> np.ndarray:
+    scene, node = probe
+    node.inputs["Kind"].default_value = kind
+    node.inputs["Show"].default_value = show
+    return verify.render(scene).reshape(-1, 3)
+
+
+def test_the_shader_reads_the_library_as_the_core_does(
+    probe: tuple[bpy.types.Scene, bpy.types.ShaderNodeScript],
+) -> None:
+    nm, cosine, hit = shown(probe, 0, 2).T
+    assert (hit == 1).all()
+    for kind in range(1, 15):
+        ours = core.library_coating([kind] * len(nm), nm, cosine)
+        for show in (0, 1):
+            np.testing.assert_array_equal(
+                shown(probe, kind, show).astype(np.float32), ours[show], f"kind {kind}, {show}"
+            )
+
+
+def test_kind_0_is_the_paints_own_colours(
+    probe: tuple[bpy.types.Scene, bpy.types.ShaderNodeScript],
+) -> None:
+    cosine = shown(probe, 0, 2)[:, 1:2]
+    schlick = [0.1, 0.2, 0.3] + np.float64(0.3) * (1 - cosine) ** 5
+    np.testing.assert_allclose(shown(probe, 0, 0), schlick, rtol=1e-6)
+    np.testing.assert_array_equal(
+        shown(probe, 0, 1), np.broadcast_to(np.float32([0.15, 0.25, 0.35]), (SIZE**2, 3))
+    )
