@@ -100,6 +100,13 @@ T tilt_deviate(const OrientationDensity<T>& density, T sin2_half_beta) {
          (1 - exponential(T(-0.5) * half_pi * half_pi / square));
 }
 
+// Likewise from cos(2 beta).
+template <class T>
+T edge_deviate(const OrientationDensity<T>& density, T cos_two_beta) {
+  const T cos_beta = std::sqrt(std::max((1 + cos_two_beta) / 2, T(0)));
+  return tilt_deviate(density, std::max(1 - cos_two_beta, T(0)) / (4 * (1 + cos_beta)));
+}
+
 // Averages over the flakes' normals with the weight p |v . m|, for light from v.
 template <class T>
 struct Mirroring {
@@ -108,6 +115,9 @@ struct Mirroring {
   T exit_path{};             // escaping, over the cosine it leaves at
   Rgb<T> escaping_colour{};  // escaping, times r_p
 };
+
+// A smaller share of the flakes does not count: in a float its deviates may round to the end.
+inline constexpr double kFewFlakes = 1e-5;
 
 // A flake at beta, phi mirrors v (cosine c, sine s) into the cosine a + b cos(phi),
 // a = c cos(2 beta), b = s sin(2 beta), and shows v the cosine p + q cos(phi). It reaches the cone
@@ -122,18 +132,14 @@ Mirroring<T> mirror_out(const OrientationDensity<T>& density, const Coating<T>& 
   const T sin_in = std::sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
   const T sin_critical = std::sqrt((1 - critical) * (1 + critical));
-  const auto edge = [&](T cos_two_beta) {
-    const T cos_beta = std::sqrt(std::max((1 + cos_two_beta) / 2, T(0)));
-    return tilt_deviate(density, std::max(1 - cos_two_beta, T(0)) / (4 * (1 + cos_beta)));
-  };
+  const T both = cos_in * critical, across = sin_in * sin_critical;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   for (int piece = 0; piece < 2; ++piece) {
-    const T both = cos_in * critical, across = sin_in * sin_critical;
-    const T to = edge(piece == 0 ? both + across : both - across);
+    const T to = edge_deviate(density, piece == 0 ? both + across : both - across);
     const T width = std::abs(to - from);
     const T begin = from, span = to - from;
     from = to;
-    if (!(width > 0) || (piece == 0 && cos_in <= critical)) continue;
+    if (!(width > T(kFewFlakes)) || (piece == 0 && cos_in <= critical)) continue;
     for (int i = 0; i < kMixturePoints; ++i) {
       const T x = kMixtureNode<T>[i];
       const T place = piece == 0 ? x * (2 - x) : x * x * (3 - 2 * x);
@@ -213,7 +219,7 @@ template <class T>
 void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& orientation,
                 const Coating<T>& coating, const DiffuseSurface<T>& surface, T cos_in, T eta) {
   const T area = mean_projected_area(orientation, cos_in);
-  const Mirroring<T> out = mirror_out(orientation, coating, surface, cos_in, eta);
+  const Mirroring<T> mirrored = mirror_out(orientation, coating, surface, cos_in, eta);
   const T cone_area = orientation.mean_cos;
   T trapped_area = 0;
   if (surface.cone < 1) trapped_area = (1 - surface.cone * cone_area) / (1 - surface.cone);
@@ -229,17 +235,17 @@ void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& o
   const Rgb<T> t_trapped = coating_transmittance(coating, trapped_cosine);
   rates.coverage = rates.coverage + coverage;
   rates.cos_sum = rates.cos_sum + coverage * cone_area;
-  rates.escaping_sum = rates.escaping_sum + coverage * out.escaping;
-  rates.path_sum = rates.path_sum + coverage * out.exit_path;
-  rates.escaping = rates.escaping + r * (flux * out.escaping);
-  rates.inside = rates.inside + r * (flux * (out.cone - out.escaping));
-  rates.outside = rates.outside + r * (flux * std::max(area - out.cone, T(0)));
+  rates.escaping_sum = rates.escaping_sum + coverage * mirrored.escaping;
+  rates.path_sum = rates.path_sum + coverage * mirrored.exit_path;
+  rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
+  rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
+  rates.outside = rates.outside + r * (flux * std::max(area - mirrored.cone, T(0)));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
   rates.cone_mirror = rates.cone_mirror + r_cone * cone_flux;
   rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
-  rates.single = rates.single + out.escaping_colour * flux;
+  rates.single = rates.single + mirrored.escaping_colour * flux;
   rates.depth = rates.depth + (grey(T(1)) - t) * (flux * area) + (grey(T(1)) - t_cone) * cone_flux;
 }
 
@@ -314,7 +320,7 @@ T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurfa
   }
   // The series of g between surface and layer.
   const T exits = about.passed + about.lost + about.mirrored * (escape + outside);
-  const T out = about.mirrored * (escape + outside * trapped_out) / exits;
+  const T upwards = about.mirrored * (escape + outside * trapped_out) / exits;
   const T down = (about.passed + about.mirrored * outside * trapped_down) / exits;
 
   // The substrate's light leaves, comes back from the surface as o, or from the layer.
@@ -325,7 +331,7 @@ T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurfa
   const T not_back =
       surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
   const T below = (leaving + returned * trapped_out) / ((1 - substrate) + substrate * not_back);
-  const T albedo = out + substrate * down * below;
+  const T albedo = upwards + substrate * down * below;
 
   T exit_path = 1 / cos_in;
   if (flakes.escaping_sum > 0) exit_path = flakes.path_sum / flakes.escaping_sum;
