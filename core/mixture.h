@@ -9,19 +9,23 @@
 //
 // Light in the layer is of three kinds: g, about the direction of the view; and what substrate and
 // pigment send, c inside the cone that the surface lets out and o outside it, totally reflected
-// until a flake turns it. Each meets a layer of Kubelka and Munk, which for mirrors that are
-// parallel to the surface is exact: per layer it is mirrored S times and lost K times, so with
+// until a flake turns it. To each the layer is one of Kubelka and Munk, which is exact for mirrors
+// parallel to the surface: on the way through it is mirrored S times and lost K times, so with
 // x = sqrt(K (K + 2 S)) and q = tanh(x)/x
 //   R = S q/(1 + (S + K) q),  T = 1/(cosh(x) (1 + (S + K) q)),
-//   S = sum over species of D H <S> r <s>/cos(theta_p), K likewise with 1 - r - t, and for the
-//   binder kappa H/cos(theta_p), and half of its Rayleigh scattering in S.
-// What the flakes mirror of g escapes, stays inside the cone, or leaves it, in shares that are
-// averages over their normals. All the shares of each kind add up to one, and every way
-// through the series between surface, layer and substrate is counted, so that no light is lost or
-// gained but by K and the substrate. E is taken out with its own estimate.
+//   S = sum over the species of D H <S> r <s>/cos(theta_p), and half of the Rayleigh scattering,
+//   K = the same sum with 1 - r - t for r, and kappa H/cos(theta_p).
+// What the flakes mirror of g escapes, stays in the cone or leaves it, in shares that are averages
+// over the flakes' normals. The shares of each kind add up to one and the series between surface,
+// layer and substrate are summed whole, so that only K and the substrate take light. From that, E
+// is subtracted as estimated by the same averages. Not reciprocal.
 //
-// Against the random walk (tests/core/mixture_test.cpp): ordinary paints, refractive indices 1.33
-// to 1.8, tilts 0.02 to 0.6, coverages 0.05 to 5.
+// Against the random walk, refractive indices from 1.33 to 1.8, tilts from 0.02 to 0.6, coverages
+// from 0.05 to 5, any colours, binder, pigment and substrate (256 paints, 3 views and 3 colours
+// each): M is within 0.029 of the walk, 95 % within 0.008, the median within 0.0007; for M above
+// 0.02, 95 % within 9 % of M, the median within 0.5 %. Of lossless paints r_s + E + M is within
+// 0.004 of 1. Below an index of 1.33 that grows to 0.015 at 1.05, below 1 to 0.07.
+// tests/core/mixture_test.cpp holds the walk to 0.03 and the lossless paints to 0.005.
 #pragma once
 
 #include <algorithm>
@@ -47,12 +51,17 @@ template <class T>
 inline constexpr std::array<T, kMixturePoints> kMixtureWeight = {
     T(0.277777777777777777778L), T(0.444444444444444444444L), T(0.277777777777777777778L)};
 
-// 1 - r_eta of the surface for light in the binder at the cosine cos_in.
+// 1 - r_eta of the surface for light in the binder at the cosine cos_in. Fresnel's T_s and T_p are
+// 4 x (1 - x) with x = g/(cos(theta) + g) and g/(eta^2 cos(theta) + g): two quotients, where an
+// absolute error at grazing angles is of no account.
 template <class T>
 T escape_transmittance(T cos_in, T eta) {
   const T g = eta * cos_in;
   const T square = (1 - eta) * (1 + eta) + g * g;
-  return square > 0 ? fresnel_transmittance(std::sqrt(square), g, eta) : T(0);
+  if (!(square > 0) || !(g > 0)) return 0;
+  const T cos_out = std::sqrt(square);
+  const T s = g / (cos_out + g), p = g / (eta * eta * cos_out + g);
+  return 2 * (s * (1 - s) + p * (1 - p));
 }
 
 // The surface under diffuse light. Of Lambertian light in the binder the share 1/eta^2 lies in the
@@ -110,10 +119,10 @@ T edge_deviate(const OrientationDensity<T>& density, T cos_two_beta) {
 // Averages over the flakes' normals with the weight p |v . m|, for light from v.
 template <class T>
 struct Mirroring {
-  T cone{};                  // mirrored into the cone that the surface lets out
-  T escaping{};              // of that, what it does let out
-  T exit_path{};             // escaping, over the cosine it leaves at
-  Rgb<T> escaping_colour{};  // escaping, times r_p
+  T cone{};       // mirrored into the cone that the surface lets out
+  T escaping{};   // of that, what it does let out
+  T cos_alpha{};  // escaping, times the cosine on the flake
+  T exit_path{};  // escaping, over the cosine it leaves at
 };
 
 // A smaller share of the flakes does not count: in a float its deviates may round to the end.
@@ -126,8 +135,8 @@ inline constexpr double kFewFlakes = 1e-5;
 // roots at both ends, smoothed by x^2 (3 - 2x); before, the Fresnel transmittance has one at the
 // end, smoothed by x (2 - x).
 template <class T>
-Mirroring<T> mirror_out(const OrientationDensity<T>& density, const Coating<T>& coating,
-                        const DiffuseSurface<T>& surface, T cos_in, T eta) {
+Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurface<T>& surface,
+                        T cos_in, T eta) {
   Mirroring<T> sum;
   const T sin_in = std::sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
@@ -166,9 +175,8 @@ Mirroring<T> mirror_out(const OrientationDensity<T>& density, const Coating<T>& 
         const T escaping = share * escape_transmittance(cos_out, eta);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
+        sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.exit_path = sum.exit_path + escaping / std::max(cos_out, T(kLeastCosine));
-        sum.escaping_colour =
-            sum.escaping_colour + coating_reflectance(coating, cos_alpha) * escaping;
       }
     }
   }
@@ -219,7 +227,7 @@ template <class T>
 void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& orientation,
                 const Coating<T>& coating, const DiffuseSurface<T>& surface, T cos_in, T eta) {
   const T area = mean_projected_area(orientation, cos_in);
-  const Mirroring<T> mirrored = mirror_out(orientation, coating, surface, cos_in, eta);
+  const Mirroring<T> mirrored = mirror_out(orientation, surface, cos_in, eta);
   const T cone_area = orientation.mean_cos;
   T trapped_area = 0;
   if (surface.cone < 1) trapped_area = (1 - surface.cone * cone_area) / (1 - surface.cone);
@@ -228,6 +236,10 @@ void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& o
   const T trapped_flux = coverage * trapped_area;
   const T cone_cosine = (1 + surface.critical) / 2, trapped_cosine = surface.critical / 2;
   const Rgb<T> r = coating_reflectance(coating, cos_in);
+  T escaping_cosine = cos_in;
+  if (mirrored.escaping > 0)
+    escaping_cosine = std::min(mirrored.cos_alpha / mirrored.escaping, T(1));
+  const Rgb<T> r_escaping = coating_reflectance(coating, escaping_cosine);
   const Rgb<T> r_cone = coating_reflectance(coating, cone_cosine);
   const Rgb<T> r_trapped = coating_reflectance(coating, trapped_cosine);
   const Rgb<T> t = coating_transmittance(coating, cos_in);
@@ -245,7 +257,7 @@ void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& o
   rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
-  rates.single = rates.single + mirrored.escaping_colour * flux;
+  rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
   rates.depth = rates.depth + (grey(T(1)) - t) * (flux * area) + (grey(T(1)) - t_cone) * cone_flux;
 }
 

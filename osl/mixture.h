@@ -27,9 +27,12 @@ float escape_transmittance(float cos_in, float eta)
 {
   float g = eta * cos_in;
   float square = (1.0 - eta) * (1.0 + eta) + g * g;
-  if (square > 0.0)
-    return fresnel_transmittance(sqrt(square), g, eta);
-  return 0.0;
+  if (!(square > 0.0) || !(g > 0.0))
+    return 0.0;
+  float cos_out = sqrt(square);
+  float s = g / (cos_out + g);
+  float p = g / (eta * eta * cos_out + g);
+  return 2.0 * (s * (1.0 - s) + p * (1.0 - p));
 }
 
 struct DiffuseSurface {
@@ -85,17 +88,17 @@ float edge_deviate(OrientationDensity density, float cos_two_beta)
 struct Mirroring {
   float cone;
   float escaping;
+  float cos_alpha;
   float exit_path;
-  color escaping_colour;
 };
 
-Mirroring mirror_out(OrientationDensity density, Coating coating, DiffuseSurface surface, float cos_in, float eta)
+Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float cos_in, float eta)
 {
   Mirroring sum;
   sum.cone = 0.0;
   sum.escaping = 0.0;
+  sum.cos_alpha = 0.0;
   sum.exit_path = 0.0;
-  sum.escaping_colour = color(0.0);
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -150,8 +153,8 @@ Mirroring mirror_out(OrientationDensity density, Coating coating, DiffuseSurface
         float escaping = share * escape_transmittance(cos_out, eta);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
+        sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.exit_path = sum.exit_path + escaping / max(cos_out, LEAST_COSINE);
-        sum.escaping_colour = sum.escaping_colour + coating_reflectance(coating, cos_alpha) * escaping;
       }
     }
   }
@@ -226,7 +229,7 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
                 DiffuseSurface surface, float cos_in, float eta)
 {
   float area = mean_projected_area(orientation, cos_in);
-  Mirroring mirrored = mirror_out(orientation, coating, surface, cos_in, eta);
+  Mirroring mirrored = mirror_out(orientation, surface, cos_in, eta);
   float cone_area = orientation.mean_cos;
   float trapped_area = 0.0;
   if (surface.cone < 1.0)
@@ -237,6 +240,10 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   float cone_cosine = (1.0 + surface.critical) / 2.0;
   float trapped_cosine = surface.critical / 2.0;
   color r = coating_reflectance(coating, cos_in);
+  float escaping_cosine = cos_in;
+  if (mirrored.escaping > 0.0)
+    escaping_cosine = min(mirrored.cos_alpha / mirrored.escaping, 1.0);
+  color r_escaping = coating_reflectance(coating, escaping_cosine);
   color r_cone = coating_reflectance(coating, cone_cosine);
   color r_trapped = coating_reflectance(coating, trapped_cosine);
   color t = coating.transmittance;
@@ -252,7 +259,7 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t) * cone_flux;
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t) * trapped_flux;
-  rates.single = rates.single + mirrored.escaping_colour * flux;
+  rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
   rates.depth = rates.depth + (color(1.0) - t) * (flux * area) + (color(1.0) - t) * cone_flux;
 }
 

@@ -126,6 +126,9 @@ def explicit_flakes(
 def flake_brdf(
     paint: Paint, normal: ArrayLike, view: ArrayLike, light: ArrayLike
 ) -> NDArray[np.float64]: ...
+def mixture_albedo(
+    paint: Paint, substrate: ArrayLike, cos_view: ArrayLike
+) -> NDArray[np.float64]: ...
 def hash_words(
     x: ArrayLike,
     y: ArrayLike,
