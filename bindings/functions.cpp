@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl.h>
+
+#include <array>
+#include <numbers>
+#include <vector>
+
+#include "mixture.h"
 #include "module.h"
 #include "paint.h"
 #include "validation.h"
@@ -152,4 +159,29 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
       R"doc(Reflectance and transmittance of coatings of the library, (2, n, 3), as the shader has them.
 
 coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)doc");
+  module.def(
+      "mixture_albedo",
+      [](const Paint& paint, py::handle substrates, py::handle cos_view) {
+        metallic_paint::validate(paint);
+        const auto rho = from_python<std::array<double, 3>>("substrate", substrates, kThreeNumbers);
+        const Rgb<double> substrate{rho[0], rho[1], rho[2]};
+        require_colour("substrate", substrate, 1);
+        const Layer<double> layer = make_layer<double>(paint);
+        const Array<double> cosines = numbers("cos_view", cos_view);
+        std::vector<py::ssize_t> shape(cosines.shape(), cosines.shape() + cosines.ndim());
+        shape.push_back(3);
+        py::array_t<double> albedo(shape);
+        double* out = albedo.mutable_data();
+        for (py::ssize_t i = 0; i < cosines.size(); ++i) {
+          validate_cosine(cosines.data()[i]);
+          const Rgb<double> m = mixture_albedo(layer, substrate, cosines.data()[i]);
+          for (const double x : {m.x, m.y, m.z}) *out++ = x;
+        }
+        return albedo;
+      },
+      py::arg("paint"), py::arg("substrate"), py::arg("cos_view"),
+      R"doc(The albedo (..., 3) of the paint's diffuse lobe at the outside cosines (...) of the view.
+
+substrate (3,): albedo of the Lambertian substrate. The lobe holds the substrate and all light
+scattered several times: what neither the binder's surface nor a single flake reflects.)doc");
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "module.h"
+#include "validation.h"
 
 namespace py = pybind11;
 using metallic_paint::CoatingTable;
@@ -118,6 +119,14 @@ The fields are checked when a Paint is.)doc");
   def_colour<&FlakeSpecies::flake_color>(species, "flake_color");
   def_colour<&FlakeSpecies::flake_edge_color>(species, "flake_edge_color");
   def_colour<&FlakeSpecies::flake_transmission>(species, "flake_transmission");
+  species.def_property(
+      "coating", [](const FlakeSpecies& f) { return static_cast<int>(f.coating); },
+      [](FlakeSpecies& f, py::handle value) {
+        const int kind = from_python<int>("coating", value, kInt32);
+        metallic_paint::require_coating("coating", kind, 0);
+        f.coating = static_cast<metallic_paint::CoatingKind>(kind);
+      });
+  def_field<&FlakeSpecies::coating_nm>(species, "coating_nm", kNumber);
 
   py::class_<Paint, FlakeSpecies> paint(
       module, "Paint",

@@ -51,6 +51,7 @@ void validate_species(const FlakeSpecies& flakes, const Name& name) {
   require_colour(transmission, flakes.flake_transmission, 1);
   require_sum(color + " + " + transmission, flakes.flake_color, flakes.flake_transmission);
   require_sum(edge + " + " + transmission, flakes.flake_edge_color, flakes.flake_transmission);
+  require_coating(name("coating"), static_cast<int>(flakes.coating), flakes.coating_nm);
 }
 
 }  // namespace

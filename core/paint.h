@@ -27,6 +27,10 @@ struct FlakeSpecies {
   Rgb<double> flake_color{0.91, 0.92, 0.92};  // reflectance at normal incidence, 0 to 1
   Rgb<double> flake_edge_color{1, 1, 1};      // reflectance at grazing incidence, 0 to 1
   Rgb<double> flake_transmission{0, 0, 0};    // transmittance, 0 to 1 less either of them
+  // Other than colors, a coating of the library takes the place of these three; a pearl's film is
+  // coating_nm thick, 0 to 200 nm.
+  CoatingKind coating = CoatingKind::colors;
+  double coating_nm = 60;
 };
 
 // What the flake's edge adds to its spread: nothing, or the diffraction by a disc.
@@ -91,6 +95,8 @@ Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffractio
   flakes.solid_angle = std::numbers::pi_v<T> * (spread * spread + edge * edge);
   flakes.coating = {Rgb<T>(species.flake_color), Rgb<T>(species.flake_edge_color),
                     Rgb<T>(species.flake_transmission)};
+  flakes.coating.kind = species.coating;
+  flakes.coating.thickness_nm = static_cast<T>(species.coating_nm);
   return flakes;
 }
 
@@ -108,8 +114,9 @@ Layer<T> make_layer(const Paint& paint) {
     layer.coverage += flakes.coverage;
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
-  layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) *
-                       (static_cast<T>(paint.layer_thickness_um) * T(0.001));
+  const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
+  layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
+  layer.rayleigh_depth = rayleigh * thickness_mm;
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
   return layer;

@@ -75,6 +75,7 @@ struct Layer {
   T coverage;   // of all species together
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
+  T rayleigh_depth;     // H (16 pi/3) c1
   DepthModel depth_model;
   Radiometry radiometry;
 };

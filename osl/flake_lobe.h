@@ -17,13 +17,15 @@ float inside_unit(float x)
   return clamp(x, 1e-7, 1.0 - 1e-7);
 }
 
-MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], vector n, vector view, float uniform_tilt,
-                            float uniform_azimuth)
+MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
+                            float uniform_tilt, float uniform_azimuth)
 {
   MirroredSample mirrored;
-  mirrored.direction = n;
+  mirrored.direction = surface.n;
   mirrored.weight = color(0.0);
   mirrored.tilt = 1.0;
+  vector n = surface.n;
+  vector view = surface.view;
   float eta = layer.eta;
   float cos_view = min(inner_product(n, view), 1.0);
   if (!(cos_view > LEAST_COSINE))
@@ -76,13 +78,13 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], vector n, vecto
 
   float cos_alpha = min(fabs(facing), 1.0);
   float cos_view_in = min(g_view / eta, 1.0);
-  color slant = slant_depth_of(layer, flakes, cos_view_in) + slant_depth_of(layer, flakes, min(along, 1.0));
+  color slant = surface.slant + slant_depth_of(layer, flakes, library, min(along, 1.0));
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     exit = cos_view;
   float scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
                 fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
-  mirrored.weight = coating_reflectance(some.coating, cos_alpha) *
+  mirrored.weight = coating_reflectance(some.coating, library, cos_alpha) *
                     (layer.coverage * mean_transmittance(slant)) * scale;
   return mirrored;
 }

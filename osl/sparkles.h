@@ -33,12 +33,13 @@ struct Flakes {
 
 #define SPECIES 3
 
-// The layer's flakes go beside it: Flakes flakes[SPECIES].
+// The layer's flakes go beside it: Flakes flakes[SPECIES], and float library[] of their coatings.
 struct Layer {
   int species;
   float coverage;
   float eta;
   color binder_depth;
+  float rayleigh_depth;
   int depth_model;
   int radiometry;
 };
@@ -48,6 +49,7 @@ struct SurfacePoint {
   vector n;
   vector view;
   float footprint;
+  color slant;  // optical depth of the layer towards the observer
   int pixel_x;
   int pixel_y;
 };
@@ -67,19 +69,19 @@ struct Sparkles {
   color radiance;
 };
 
-color flake_blocking(Layer layer, Flakes flakes[SPECIES], float cos_in)
+color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {
   color sum = color(0.0);
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
-    sum = sum + blocked_area(some.orientation, some.coating, cos_in) * some.coverage;
+    sum = sum + blocked_area(some.orientation, some.coating, library, cos_in) * some.coverage;
   }
   return sum;
 }
 
-color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float cos_in)
+color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {
-  return slant_depth(flake_blocking(layer, flakes, cos_in), layer.binder_depth, cos_in);
+  return slant_depth(flake_blocking(layer, flakes, library, cos_in), layer.binder_depth, cos_in);
 }
 
 color mean_transmittance(color x)
@@ -104,7 +106,7 @@ struct Passage {
   color slant;
 };
 
-Passage pass_between(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, SeenLight light)
+Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light)
 {
   Passage way;
   way.open = 0;
@@ -132,13 +134,13 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, 
     outside = M_PI * squared_angle(light.sin2_half_radius);
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
-  way.slant = slant_depth_of(layer, flakes, cos_view_in) + slant_depth_of(layer, flakes, cos_light_in);
+  way.slant = surface.slant + slant_depth_of(layer, flakes, library, cos_light_in);
   way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                               fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;
 }
 
-ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float pixel_area, Passage way)
+ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], float pixel_area, Passage way)
 {
   ExpectedSparkles expected;
   expected.mean_count = 0.0;
@@ -160,7 +162,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float pixel_area, P
                                         inside / (16.0 * M_PI * cos_alpha));
 
   expected.ceiling = way.surface_transmittance * way.ratio / inside;
-  expected.mirror = coating_reflectance(flakes.coating, cos_alpha) * expected.ceiling;
+  expected.mirror = coating_reflectance(flakes.coating, library, cos_alpha) * expected.ceiling;
   expected.slant = way.slant;
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);
@@ -314,8 +316,8 @@ struct PixelSparkles {
 };
 
 // `blurred`: the mean, without its noise.
-PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, Passage way, int light,
-                      int frame, int seed, int blurred, int shown)
+PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, Passage way,
+                      int light, int frame, int seed, int blurred, int shown)
 {
   PixelSparkles all;
   all.count = 0.0;
@@ -324,7 +326,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface,
   all.mean_radiance = color(0.0);
   float ceiling = 0.0;
   for (int i = 0; i < layer.species; ++i) {
-    ExpectedSparkles expected = expect_sparkles(layer, flakes[i], surface.footprint, way);
+    ExpectedSparkles expected = expect_sparkles(layer, flakes[i], library, surface.footprint, way);
     color mean = mean_radiance(expected);
     Sparkles drawn;
     drawn.count = expected.mean_count;

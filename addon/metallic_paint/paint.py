@@ -22,6 +22,12 @@ FLAKES, BINDER, SUBSTRATE, SPARKLE = "Flakes", "Binder", "Substrate", "Sparkle"
 SECOND, THIRD = "Second Flakes", "Third Flakes"
 PANELS = (FLAKES, SECOND, THIRD, BINDER, SUBSTRATE, SPARKLE)
 
+COATINGS = (
+    "colors", "aluminium", "silver", "gold", "copper", "bronze", "brass", "chromium", "nickel",
+    "tio2-on-mica", "tio2-on-silica", "tio2-on-thin-silica", "fe2o3-on-mica", "fe2o3-on-silica",
+    "fe2o3-on-aluminium",
+)  # fmt: skip
+
 INT_MIN, INT_MAX = -(2**31), 2**31 - 1
 
 
@@ -148,6 +154,18 @@ class Flakes:
         (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
         "Transmittance of a flake at every angle: with either reflectance at most 1",
         is_color=True,
+    )
+    coating: str = _field(
+        "colors", "FlakeCoating", "Coating", FLAKES, 0, len(COATINGS) - 1,
+        "0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the "
+        "interference colours of its film: " + ", ".join(
+            f"{number} {name}" for number, name in enumerate(COATINGS) if number
+        ),
+        choices=COATINGS,
+    )
+    coating_nm: float = _field(
+        60.0, "FlakeCoatingNm", "Coating (nm)", FLAKES, 0, 200,
+        "Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres",
     )
     # fmt: on
 
@@ -309,6 +327,7 @@ def core_paint(paint: Paint, frame: int = 0) -> object:
     def fields(flakes: Flakes) -> dict[str, object]:
         known = {name: getattr(flakes, name) for name in _parameters(type(flakes))}
         known["orientation"] = core.Orientation[flakes.orientation]
+        known["coating"] = COATINGS.index(flakes.coating)
         return known
 
     all_fields = fields(paint)

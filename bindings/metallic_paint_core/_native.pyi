@@ -39,6 +39,8 @@ class FlakeSpecies:
     flake_color: Colour  # reflectance at normal incidence, 0 to 1
     flake_edge_color: Colour  # reflectance at grazing incidence, 0 to 1
     flake_transmission: Colour  # transmittance, 0 to 1 less the reflectance
+    coating: int  # 0 the colours above; others of the library: CoatingKind in core/coating.h
+    coating_nm: float  # thickness of a pearl's film, 0 to 200 nm
 
     def __init__(self, **fields: object) -> None: ...
 
@@ -138,6 +140,9 @@ def explicit_flakes(
 ) -> TracedFlakes: ...
 def flake_brdf(
     paint: Paint, normal: ArrayLike, view: ArrayLike, light: ArrayLike
+) -> NDArray[np.float64]: ...
+def mixture_albedo(
+    paint: Paint, substrate: ArrayLike, cos_view: ArrayLike
 ) -> NDArray[np.float64]: ...
 def hash_words(
     x: ArrayLike,

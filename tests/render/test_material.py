@@ -19,16 +19,17 @@ Render = Callable[[], np.ndarray]
 EVERYTHING_ELSE = Paint(
     flakes_per_mm2=1, flake_diameter_um=2, flake_area_spread=3, orientation="ggx", tilt=0.4,
     flake_spread=0.05, flake_color=(0.11, 0.12, 0.13), flake_edge_color=(0.21, 0.22, 0.23),
-    flake_transmission=(0.31, 0.32, 0.33),
+    flake_transmission=(0.31, 0.32, 0.33), coating="silver", coating_nm=61,
     second=Flakes(
         flakes_per_mm2=2, flake_diameter_um=3, flake_area_spread=4, orientation="ggx", tilt=0.5,
         flake_spread=0.06, flake_color=(0.12, 0.13, 0.14), flake_edge_color=(0.22, 0.23, 0.24),
-        flake_transmission=(0.32, 0.33, 0.34),
+        flake_transmission=(0.32, 0.33, 0.34), coating="gold", coating_nm=62,
     ),
     third=Flakes(
         flakes_per_mm2=3, flake_diameter_um=4, flake_area_spread=5, orientation="beckmann",
         tilt=0.6, flake_spread=0.07, flake_color=(0.13, 0.14, 0.15),
         flake_edge_color=(0.23, 0.24, 0.25), flake_transmission=(0.33, 0.34, 0.35),
+        coating="nickel", coating_nm=63,
     ),
     binder_ior=1.7, layer_thickness_um=18, binder_absorption_per_mm=(19, 20, 21),
     rayleigh_per_mm=22, diffraction="none", depth_model="thinned", radiometry="published",

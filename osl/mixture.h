@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The diffuse part of the whole paint, the substrate through the flakes and all light scattered several times: see
+// core/mixture.h for the model, its derivation and its error.
+#pragma once
+
+#include "coating.h"
+#include "elementary.h"
+#include "optical_thickness.h"
+#include "orientation.h"
+#include "refraction.h"
+#include "sparkles.h"
+
+#define MIXTURE_POINTS 3
+#define FORGETTING 20.0
+#define FEW_FLAKES 1e-5
+
+void mixture_rule(output float node[3], output float weight[3])
+{
+  float nodes[3] = {0.112701665, 0.5, 0.887298335};
+  float weights[3] = {0.277777778, 0.444444444, 0.277777778};
+  node = nodes;
+  weight = weights;
+}
+
+float escape_transmittance(float cos_in, float eta)
+{
+  float g = eta * cos_in;
+  float square = (1.0 - eta) * (1.0 + eta) + g * g;
+  if (!(square > 0.0) || !(g > 0.0))
+    return 0.0;
+  float cos_out = sqrt(square);
+  float s = g / (cos_out + g);
+  float p = g / (eta * eta * cos_out + g);
+  return 2.0 * (s * (1.0 - s) + p * (1.0 - p));
+}
+
+struct DiffuseSurface {
+  float cone;
+  float critical;
+  float transmittance;
+};
+
+DiffuseSurface diffuse_surface(float eta)
+{
+  DiffuseSurface surface;
+  surface.cone = 1.0;
+  surface.critical = 0.0;
+  surface.transmittance = 0.0;
+  float index = max(eta, 1.0 / eta);
+  if (eta > 1.0) {
+    surface.cone = 1.0 / (eta * eta);
+    surface.critical = sqrt((eta - 1.0) * (eta + 1.0)) / eta;
+  }
+  float node[3];
+  float weight[3];
+  mixture_rule(node, weight);
+  for (int i = 0; i < MIXTURE_POINTS; ++i) {
+    float c = node[i];
+    surface.transmittance = surface.transmittance +
+                            weight[i] * 2.0 * c * fresnel_transmittance(c, eta_cos_refracted(c, index), index);
+  }
+  return surface;
+}
+
+float tilt_deviate(OrientationDensity density, float sin2_half_beta)
+{
+  float square = density.tilt * density.tilt;
+  float h = sin2_half_beta;
+  if (density.kind == ORIENTATION_BECKMANN) {
+    float cos_beta = 1.0 - 2.0 * h;
+    return exponential(-4.0 * h * (1.0 - h) / max(cos_beta * cos_beta, 1e-9) / square);
+  }
+  if (density.kind == ORIENTATION_GGX)
+    return 2.0 * h / (square + (1.0 - density.tilt) * (1.0 + density.tilt) * 2.0 * h);
+  if (density.tilt > 0.5)
+    return 2.0 * h;
+  return (1.0 - exponential(-0.5 * squared_angle(h) / square)) /
+         (1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square));
+}
+
+float edge_deviate(OrientationDensity density, float cos_two_beta)
+{
+  float cos_beta = sqrt(max((1.0 + cos_two_beta) / 2.0, 0.0));
+  return tilt_deviate(density, max(1.0 - cos_two_beta, 0.0) / (4.0 * (1.0 + cos_beta)));
+}
+
+struct Mirroring {
+  float cone;
+  float escaping;
+  float cos_alpha;
+  float exit_path;
+};
+
+Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float cos_in, float eta)
+{
+  Mirroring sum;
+  sum.cone = 0.0;
+  sum.escaping = 0.0;
+  sum.cos_alpha = 0.0;
+  sum.exit_path = 0.0;
+  float node[3];
+  float weight[3];
+  mixture_rule(node, weight);
+  float sin_in = sqrt((1.0 - cos_in) * (1.0 + cos_in));
+  float critical = surface.critical;
+  float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
+  float both = cos_in * critical;
+  float across = sin_in * sin_critical;
+  float start = 0.0;
+  if (density.kind == ORIENTATION_BECKMANN)
+    start = 1.0;
+  for (int piece = 0; piece < 2; ++piece) {
+    float end = 0.0;
+    if (piece == 0)
+      end = edge_deviate(density, both + across);
+    else
+      end = edge_deviate(density, both - across);
+    float begin = start;
+    float span = end - start;
+    float width = fabs(span);
+    start = end;
+    if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
+      continue;
+    for (int i = 0; i < MIXTURE_POINTS; ++i) {
+      float x = node[i];
+      float place = x * (2.0 - x);
+      float slope = 2.0 * (1.0 - x);
+      if (piece == 1) {
+        place = x * x * (3.0 - 2.0 * x);
+        slope = 6.0 * x * (1.0 - x);
+      }
+      SampledTilt tilt = sample_tilt(density, begin + span * place);
+      float h = tilt.sin2_half_beta;
+      float cos_beta = 1.0 - 2.0 * h;
+      float p = cos_beta * cos_in;
+      float q = 2.0 * sqrt(h * (1.0 - h)) * sin_in;
+      float a = 2.0 * p * cos_beta - cos_in;
+      float b = 2.0 * q * cos_beta;
+      float limit = HALF_PI;
+      if (a - b < critical) {
+        if (a + b <= critical)
+          continue;
+        limit = arccosine(sqrt(clamp(((b - a) + critical) / (2.0 * b), 0.0, 1.0)));
+      }
+      float ring = weight[i] * slope * width * tilt.weight * limit * (2.0 / M_PI);
+      for (int j = 0; j < MIXTURE_POINTS; ++j) {
+        float half_sine = sine(limit * node[j]);
+        float cos_phi = 1.0 - 2.0 * half_sine * half_sine;
+        float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
+        float cos_out = min(a + b * cos_phi, 1.0);
+        float share = weight[j] * ring * cos_alpha;
+        float escaping = share * escape_transmittance(cos_out, eta);
+        sum.cone = sum.cone + share;
+        sum.escaping = sum.escaping + escaping;
+        sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
+        sum.exit_path = sum.exit_path + escaping / max(cos_out, LEAST_COSINE);
+      }
+    }
+  }
+  return sum;
+}
+
+struct LayerShares {
+  float mirrored;
+  float passed;
+  float lost;
+};
+
+LayerShares layer_shares(float mirror, float loss)
+{
+  float x = sqrt(loss) * sqrt(loss + 2.0 * mirror);
+  float mean = mean_transmittance(x);
+  float dimmed = x * mean;
+  float h = max(1.0 - dimmed, 0.0);
+  float n = 1.0 + h * h;
+  float q = mean * (1.0 + h) / n;
+  float whole = 1.0 + (mirror + loss) * q;
+  LayerShares shares;
+  shares.mirrored = mirror * q / whole;
+  shares.passed = 2.0 * h / (n * whole);
+  shares.lost = (dimmed * dimmed / n + loss * q) / whole;
+  return shares;
+}
+
+struct FlakeRates {
+  float coverage;
+  float cos_sum;
+  float escaping_sum;
+  float path_sum;
+  color escaping;
+  color inside;
+  color outside;
+  color loss;
+  color cone_mirror;
+  color cone_loss;
+  color trapped_mirror;
+  color trapped_loss;
+  color single;
+  color depth;
+};
+
+FlakeRates no_flakes()
+{
+  FlakeRates rates;
+  rates.coverage = 0.0;
+  rates.cos_sum = 0.0;
+  rates.escaping_sum = 0.0;
+  rates.path_sum = 0.0;
+  rates.escaping = color(0.0);
+  rates.inside = color(0.0);
+  rates.outside = color(0.0);
+  rates.loss = color(0.0);
+  rates.cone_mirror = color(0.0);
+  rates.cone_loss = color(0.0);
+  rates.trapped_mirror = color(0.0);
+  rates.trapped_loss = color(0.0);
+  rates.single = color(0.0);
+  rates.depth = color(0.0);
+  return rates;
+}
+
+color lost_colour(color mirrored, color passed)
+{
+  return max(color(1.0) - mirrored - passed, color(0.0));
+}
+
+void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orientation, Coating coating,
+                float library[], DiffuseSurface surface, float cos_in, float eta)
+{
+  float area = mean_projected_area(orientation, cos_in);
+  Mirroring mirrored = mirror_out(orientation, surface, cos_in, eta);
+  float cone_area = orientation.mean_cos;
+  float trapped_area = 0.0;
+  if (surface.cone < 1.0)
+    trapped_area = (1.0 - surface.cone * cone_area) / (1.0 - surface.cone);
+  float flux = coverage / cos_in;
+  float cone_flux = coverage * cone_area;
+  float trapped_flux = coverage * trapped_area;
+  float cone_cosine = (1.0 + surface.critical) / 2.0;
+  float trapped_cosine = surface.critical / 2.0;
+  color r = coating_reflectance(coating, library, cos_in);
+  float escaping_cosine = cos_in;
+  if (mirrored.escaping > 0.0)
+    escaping_cosine = min(mirrored.cos_alpha / mirrored.escaping, 1.0);
+  color r_escaping = coating_reflectance(coating, library, escaping_cosine);
+  color r_cone = coating_reflectance(coating, library, cone_cosine);
+  color r_trapped = coating_reflectance(coating, library, trapped_cosine);
+  color t = coating_transmittance(coating, library, cos_in);
+  color t_cone = coating_transmittance(coating, library, cone_cosine);
+  color t_trapped = coating_transmittance(coating, library, trapped_cosine);
+  rates.coverage = rates.coverage + coverage;
+  rates.cos_sum = rates.cos_sum + coverage * cone_area;
+  rates.escaping_sum = rates.escaping_sum + coverage * mirrored.escaping;
+  rates.path_sum = rates.path_sum + coverage * mirrored.exit_path;
+  rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
+  rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
+  rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
+  rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
+  rates.cone_mirror = rates.cone_mirror + r_cone * cone_flux;
+  rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
+  rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
+  rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
+  rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
+  rates.depth = rates.depth + (color(1.0) - t) * (flux * area) + (color(1.0) - t_cone) * cone_flux;
+}
+
+// In the colour channel c: 0, 1, 2.
+float mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
+                      float substrate, float cos_in)
+{
+  float pigment_back = rayleigh / 2.0;
+  float cone_path = 2.0 / (1.0 + surface.critical);
+  float trapped_path = 0.0;
+  if (surface.critical > 0.0)
+    trapped_path = 2.0 / surface.critical;
+  float flake_mirror = flakes.escaping[c] + flakes.inside[c] + flakes.outside[c];
+  float mirror = flake_mirror + pigment_back / cos_in;
+  float loss = flakes.loss[c] + absorption / cos_in;
+  float trapped_mirror = flakes.trapped_mirror[c] + pigment_back * trapped_path;
+  LayerShares about = layer_shares(mirror, loss);
+  LayerShares cone = layer_shares(flakes.cone_mirror[c] + pigment_back * cone_path,
+                                  flakes.cone_loss[c] + absorption * cone_path);
+  LayerShares trapped = layer_shares(trapped_mirror, flakes.trapped_loss[c] + absorption * trapped_path);
+
+  float lambertian = surface.cone * surface.transmittance;
+  float from_pigment = (lambertian + (1.0 - surface.critical) * surface.transmittance) / 2.0;
+
+  float mean_cos = 1.0;
+  if (flakes.coverage > 0.0)
+    mean_cos = min(flakes.cos_sum / flakes.coverage, 1.0);
+  float z2 = (1.0 - mean_cos) * (1.0 + mean_cos);
+  float turned = lambertian * 2.0 * sqrt(z2) / (1.0 + 2.0 * z2);
+  if (pigment_back > 0.0 && trapped_mirror > 0.0)
+    turned = turned + (from_pigment - turned) * (pigment_back * trapped_path / trapped_mirror);
+  float trapped_exits = trapped.passed + trapped.lost + turned * trapped.mirrored;
+  float trapped_out = trapped.mirrored * turned / trapped_exits;
+  float trapped_down = trapped.passed / trapped_exits;
+  float trapped_rest = (trapped.lost + trapped.mirrored * turned) / trapped_exits;
+
+  float escape = 0.0;
+  float inside = 0.0;
+  if (flake_mirror > 0.0) {
+    escape = flakes.escaping[c] / flake_mirror;
+    inside = flakes.inside[c] / flake_mirror;
+  }
+  float outside = max(1.0 - escape - inside, 0.0);
+  if (about.mirrored > 0.0) {
+    float once = min(mirror * mean_transmittance(2.0 * (mirror + loss)) / about.mirrored, 1.0);
+    float turns = FORGETTING * (1.0 - mean_cos);
+    float forgotten = turns / (1.0 + turns) * (1.0 - once);
+    escape = escape + (lambertian - escape) * forgotten;
+    inside = inside - inside * forgotten;
+    outside = outside + ((1.0 - lambertian) - outside) * forgotten;
+    if (pigment_back > 0.0) {
+      LayerShares pure = layer_shares(flake_mirror, loss + rayleigh / cos_in);
+      float touched = 1.0 - min(pure.mirrored / about.mirrored, 1.0);
+      escape = escape + (from_pigment - escape) * touched;
+      inside = inside - inside * touched;
+      outside = outside + ((1.0 - from_pigment) - outside) * touched;
+    }
+  }
+  float exits = about.passed + about.lost + about.mirrored * (escape + outside);
+  float upwards = about.mirrored * (escape + outside * trapped_out) / exits;
+  float down = (about.passed + about.mirrored * outside * trapped_down) / exits;
+
+  float beyond = 1.0 - surface.cone;
+  float leaving = surface.cone * cone.passed * surface.transmittance;
+  float returned = surface.cone * cone.passed * (1.0 - surface.transmittance) + beyond * trapped.passed;
+  float not_back = surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
+  float below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
+  float albedo = upwards + substrate * down * below;
+
+  float exit_path = 1.0 / cos_in;
+  if (flakes.escaping_sum > 0.0)
+    exit_path = flakes.path_sum / flakes.escaping_sum;
+  float depth = flakes.depth[c] + (absorption + rayleigh) * (1.0 / cos_in + exit_path);
+  return max(albedo - flakes.single[c] * mean_transmittance(depth), 0.0);
+}
+
+color mixture_albedo(Layer layer, Flakes flakes[SPECIES], float library[], color substrate, float cos_view)
+{
+  float eta = layer.eta;
+  float g = eta_cos_refracted(cos_view, eta);
+  if (!(cos_view > LEAST_COSINE) || !(g > 0.0))
+    return color(0.0);
+  float cos_in = clamp(g / eta, LEAST_COSINE, 1.0);
+  DiffuseSurface surface = diffuse_surface(eta);
+  FlakeRates rates = no_flakes();
+  for (int i = 0; i < layer.species; ++i) {
+    Flakes some = flakes[i];
+    add_flakes(rates, some.coverage, some.orientation, some.coating, library, surface, cos_in, eta);
+  }
+  float entered = fresnel_transmittance(cos_view, g, eta);
+  float rayleigh = layer.rayleigh_depth;
+  color albedo = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    float absorption = max(layer.binder_depth[c] - rayleigh, 0.0);
+    albedo[c] = entered * mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
+  }
+  return albedo;
+}

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The diffuse lobe of the whole paint, through Python."""
+
+import math
+
+import metallic_paint_core as core
+import numpy as np
+import pytest
+
+NAN = float("nan")
+
+
+def test_it_is_what_the_random_walk_leaves_beside_single_flakes() -> None:
+    paint = core.Paint(flakes_per_mm2=5000, flake_color=(0.9, 0.6, 0.3), rayleigh_per_mm=0.2)
+    substrate = (0.1, 0.5, 0.9)
+    for cosine in (1.0, 0.3):
+        light = [math.sqrt(1 - cosine * cosine), 0, cosine]
+        walk = core.random_walk(paint, light, substrate=substrate, photons=200_000, seed=5)
+        expected = walk["albedo"] - walk["albedo_single_flake"]
+        found = core.mixture_albedo(paint, substrate, cosine)
+        # 0.03 is the model's own error (core/mixture.h); the walk's is below 0.002 here.
+        np.testing.assert_allclose(found, expected, rtol=0, atol=0.035)
+        assert (expected > 0.02).all()
+
+
+def test_it_has_the_shape_of_the_cosines_with_a_colour_each() -> None:
+    cosines = np.linspace(0.1, 1, 6).reshape(2, 3)
+    albedo = core.mixture_albedo(core.Paint(), (0.5, 0.5, 0.5), cosines)
+    assert albedo.shape == (2, 3, 3)
+    one = core.mixture_albedo(core.Paint(), (0.5, 0.5, 0.5), cosines[1, 2])
+    np.testing.assert_array_equal(albedo[1, 2], one)
+
+
+@pytest.mark.parametrize(
+    ("substrate", "cosine", "message"),
+    [
+        ((0.5, 0.5), 1, "substrate is .* but must be three numbers"),
+        ((0.5, 1.5, 0.5), 1, "substrate.* is 1.5, but must be from 0 to 1"),
+        ((0.5, 0.5, 0.5), 1.5, "cos_theta is 1.5"),
+        ((0.5, 0.5, 0.5), NAN, "cos_theta is nan"),
+        ((0.5, 0.5, 0.5), "a", "cos_view is 'a', but must be an array of numbers"),
+    ],
+)
+def test_a_bad_argument_is_named(substrate: tuple, cosine: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        core.mixture_albedo(core.Paint(), substrate, cosine)
