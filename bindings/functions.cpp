@@ -8,6 +8,7 @@
 #include "mixture.h"
 #include "module.h"
 #include "paint.h"
+#include "texture.h"
 #include "validation.h"
 
 namespace py = pybind11;
@@ -159,6 +160,33 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
       R"doc(Reflectance and transmittance of coatings of the library, (2, n, 3), as the shader has them.
 
 coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)doc");
+  module.def(
+      "pixel_texture",
+      [](py::handle contrasts, py::handle footprints, py::handle xs, py::handle ys,
+         py::handle frames, py::handle seeds) {
+        const double contrast = from_python<double>("contrast", contrasts, kNumber);
+        require_range("contrast", contrast, 0, 1);
+        const Array<double> footprint = numbers("footprint", footprints);
+        const Array<std::int32_t> x = whole_numbers("x", xs), y = whole_numbers("y", ys);
+        require_shape("x", x, {footprint.size()});
+        require_shape("y", y, {footprint.size()});
+        const int frame = from_python<int>("frame", frames, kInt32);
+        const int seed = from_python<int>("seed", seeds, kInt32);
+        py::array_t<float> factor(footprint.size());
+        for (py::ssize_t i = 0; i < footprint.size(); ++i) {
+          require_range(at_row("footprint", static_cast<std::size_t>(i)), footprint.data()[i], 0,
+                        1e30, " m2");
+          factor.mutable_data()[i] =
+              pixel_texture(static_cast<float>(contrast), static_cast<float>(footprint.data()[i]),
+                            x.data()[i], y.data()[i], frame, seed);
+        }
+        return factor;
+      },
+      py::arg("contrast"), py::arg("footprint"), py::arg("x"), py::arg("y"), py::kw_only(),
+      py::arg("frame") = 0, py::arg("seed") = 0,
+      R"doc(The factor (n,), as the shader has it, by which what is scattered several times fluctuates.
+
+contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,) pixels.)doc");
   module.def(
       "mixture_albedo",
       [](const Paint& paint, py::handle substrates, py::handle cos_view) {

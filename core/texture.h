@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "elementary.h"
+#include "light.h"
+#include "random.h"
 
 namespace metallic_paint {
 
@@ -24,6 +26,18 @@ T texture_factor(T contrast, T footprint, T w) {
   const T deviation = texture_deviation(contrast, footprint);
   const T square = logarithm(1 + deviation * deviation);
   return exponential(std::sqrt(square) * w - T(0.5) * square);
+}
+
+// The stream of its deviates; those of the flakes' mean lobe, kLightSlots, lie between it and the
+// lights'.
+inline constexpr int kTextureStream = kLightSlots + 1;
+
+// The factor of a pixel.
+template <class T>
+T pixel_texture(T contrast, T footprint, int pixel_x, int pixel_y, int frame, int seed) {
+  const HashWords words =
+      draw_words(stream_key(kTextureStream, 0, frame, seed), pixel_x, pixel_y, 0);
+  return texture_factor(contrast, footprint, normal_quantile(uniform_48<T>(words.x, words.y)));
 }
 
 }  // namespace metallic_paint

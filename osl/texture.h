@@ -4,6 +4,7 @@
 #pragma once
 
 #include "elementary.h"
+#include "random.h"
 
 float texture_deviation(float contrast, float footprint)
 {
@@ -15,4 +16,12 @@ float texture_factor(float contrast, float footprint, float w)
   float deviation = texture_deviation(contrast, footprint);
   float square = logarithm(1.0 + deviation * deviation);
   return exponential(sqrt(square) * w - 0.5 * square);
+}
+
+#define TEXTURE_STREAM 9
+
+float pixel_texture(float contrast, float footprint, int pixel_x, int pixel_y, int frame, int seed)
+{
+  HashWords words = draw_words(stream_key(TEXTURE_STREAM, 0, frame, seed), pixel_x, pixel_y, 0);
+  return texture_factor(contrast, footprint, normal_quantile(uniform_48(words.x, words.y)));
 }

@@ -15,6 +15,7 @@ blender_env.prepare()
 
 import bars  # noqa: E402
 import bpy  # noqa: E402
+import metallic_paint_core as core  # noqa: E402
 import numpy as np  # noqa: E402
 import verify_hash  # noqa: E402
 import verify_scenes  # noqa: E402
@@ -71,6 +72,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     names = lights.fill(scene).slots
     label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)
+    report += check_diffuse(label, spec, probe, geometry)
 
     for light, lamp in enumerate(names):
         comparison, sums, shown = None, Sums.zero(), None
@@ -106,12 +108,12 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
         (picture, irradiance), predicted = shown
         faces = predicted["leader"][:, light] >= 0
         report += check_irradiance(where, spec, scene.objects[lamp], geometry, irradiance, faces)
-        core = np.zeros_like(picture)
-        core[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
+        wanted = np.zeros_like(picture)
+        wanted[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
         leader = int(predicted["leader"][:, light].max())
         report += check_by_chance(where, probe, lamp, leader, comparison, irradiance)
         title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
-        write_comparison(out / f"{slug(title)}.png", picture, core)
+        write_comparison(out / f"{slug(title)}.png", picture, wanted)
     if len(names) > 1:
         report.append(check_joint(label, probe, names))
     return report
@@ -222,6 +224,34 @@ def check_passes(label: str, probe: verify.Probe, geometry: verify.Geometry) -> 
         bars.at_most(f"{label}: position off Cycles' pass, of the scene's extent", off, 1e-6),
         bars.at_most(f"{label}: normal off Cycles' pass", turned, 1e-6),
     ]
+
+
+def check_diffuse(
+    label: str, spec: verify_scenes.Scene, probe: verify.Probe, geometry: verify.Geometry
+) -> list[bars.Bar]:
+    """What substrate and mixtures reflect, and the factor of their texture, against the core."""
+    paint, hit = spec.paint, geometry.hit
+    cosine = (geometry.normal[hit] * geometry.view[hit]).sum(axis=-1)
+    wanted = core.mixture_albedo(core_paint(paint), paint.substrate_color, np.clip(cosine, 1e-4, 1))
+    factor = 1.0
+    report = []
+    if paint.texture_contrast > 0:
+        x, y = geometry.own_pixel()[hit].T
+        factor = core.pixel_texture(
+            paint.texture_contrast, geometry.footprint[hit], x, y, seed=paint.seed
+        )
+        found = probe.image(verify.TEXTURE)[hit][:, 0]
+        inside = (geometry.pixel[hit] == geometry.own_pixel()[hit]).all(axis=-1)
+        report.append(
+            bars.at_most(f"{label}: relative error of the texture",
+                         float(np.abs(found / factor - 1)[inside].max()), 1e-5)
+        )  # fmt: skip
+        factor = found[:, np.newaxis]
+    found = probe.image(verify.DIFFUSE)[hit] / factor
+    # 1e-4 of white: float against double, and the cosine by another sum.
+    report.append(bars.at_most(f"{label}: error of the diffuse albedo",
+                               float(np.abs(found - wanted).max()), 1e-4))  # fmt: skip
+    return report
 
 
 def check_by_chance(

@@ -21,9 +21,16 @@ CANDY = Paint(
 )  # fmt: skip
 THREE = dataclasses.replace(
     CANDY,
-    second=Flakes(flakes_per_mm2=40, flake_diameter_um=90, tilt=0.3, flake_color=(0.2, 0.9, 0.4)),
+    second=Flakes(flakes_per_mm2=200, flake_diameter_um=50, tilt=0.3, flake_color=(0.2, 0.9, 0.4)),
     third=Flakes(flakes_per_mm2=9000, flake_diameter_um=8, orientation="ggx", tilt=0.4),
 )
+PEARLS = Paint(
+    flakes_per_mm2=2500, coating="tio2-on-mica", coating_nm=115, flake_diameter_um=18,
+    second=Flakes(flakes_per_mm2=400, coating="tio2-on-thin-silica", coating_nm=70,
+                  flake_diameter_um=35, tilt=0.1),
+    third=Flakes(flakes_per_mm2=900, coating="gold", flake_diameter_um=12, tilt=0.25),
+    substrate_color=(0.8, 0.75, 0.7), texture_contrast=0.05, seed=3,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -139,7 +146,9 @@ SCENES = (
           flakes_per_mm2=600, flake_transmission=(0.05, 0.05, 0.05),
           flake_edge_color=(0.94, 0.94, 0.94)), seeds=4),
     Scene("three species of flakes", (SUN,), shape="sphere", distance=1, width=0.3,
-          scale=(0.15, 0.15, 0.15), paint=THREE, seeds=2),
+          scale=(0.15, 0.15, 0.15), paint=THREE, seeds=4),
+    Scene("pearls over a textured white", (SUN,), shape="sphere", distance=1, width=0.3,
+          scale=(0.15, 0.15, 0.15), paint=PEARLS, seeds=2),
     Scene("so far that the mean takes over", (SUN,), shape="sphere", distance=1000, width=170,
           scale=(80, 80, 80), paint=dataclasses.replace(THREE, depth_model="thinned")),
     Scene("the demo's car", (sun("Sun", 45, -60, 0.53),

@@ -27,6 +27,7 @@ from ._native import (
     mixture_albedo,
     normal_quantile,
     orientation_density,
+    pixel_texture,
     random_walk,
 )
 
@@ -52,5 +53,6 @@ __all__ = [
     "mixture_albedo",
     "normal_quantile",
     "orientation_density",
+    "pixel_texture",
     "random_walk",
 ]

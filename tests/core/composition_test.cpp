@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The greatest of sparkles and the rest, and the highlight that it needs.
+#include "composition.h"
+
+#include <cmath>
+
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+using namespace metallic_paint;
+
+TEST(Composition, TheSumHasTheGreaterLuminance) {
+  Random random(7);
+  for (int i = 0; i < 1000; ++i) {
+    const auto colour = [&] {
+      return Rgb<double>{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
+    };
+    const Rgb<double> sparkles = colour() * random.log_uniform(1e-3, 1e3), base = colour();
+    const Rgb<double> added = greatest(sparkles, base);
+    EXPECT_GE(std::min({added.x, added.y, added.z}), 0);
+    EXPECT_NEAR(luminance(base + added), std::max(luminance(base), luminance(sparkles)),
+                1e-12 * luminance(base + added));
+  }
+  EXPECT_EQ(luminance(greatest<double>({}, {})), 0);
+}
+
+// The share of the light that the rough highlight sends back, twice: over the views, and over GGX's
+// facet normals m (tan^2 = alpha^2 u/(1 - u)), which mirror G(view) G(light) (view . m)/(cos(light)
+// cos(m)) each.
+TEST(Composition, TheRoughHighlightReflectsWhatItsFacetsDo) {
+  const Vec3<double> n{0, 0, 1}, light{0.2, 0, std::sqrt(0.96)};
+  for (double alpha : {0.05, 0.2, 0.6}) {
+    const int rows = 4000, columns = 100;
+    const auto smith = [alpha](double c) {
+      return 2 / (1 + std::sqrt(1 + alpha * alpha * (1 / (c * c) - 1)));
+    };
+    double by_view = 0, by_facet = 0;
+    for (int i = 0; i < rows; ++i) {
+      const double u = (i + 0.5) / rows;
+      for (int j = 0; j < columns; ++j) {
+        const double phi = 2 * std::numbers::pi * (j + 0.5) / columns;
+        const auto towards = [&](double z) {
+          const double sine = std::sqrt(1 - z * z);
+          return Vec3<double>{sine * std::cos(phi), sine * std::sin(phi), z};
+        };
+        by_view += highlight(n, towards(u), light, 0.0, alpha, 1.0) * u;
+        const Vec3<double> m = towards(1 / std::sqrt(1 + alpha * alpha * u / (1 - u)));
+        const double facing = dot(m, light);
+        const Vec3<double> view = m * (2 * facing) - light;
+        if (facing > 0 && view.z > 0) {
+          by_facet += smith(view.z) * smith(light.z) * facing / (light.z * m.z);
+        }
+      }
+    }
+    by_view *= 2 * std::numbers::pi / (rows * columns) / light.z;
+    by_facet /= rows * columns;
+    EXPECT_NEAR(by_view, by_facet, 2e-3) << alpha;
+    EXPECT_LT(by_view, 1) << alpha;
+  }
+}
+
+TEST(Composition, TheSmoothHighlightIsTheLightsDisc) {
+  const Vec3<double> n{0, 0, 1}, view{0.6, 0, 0.8}, mirrored{-0.6, 0, 0.8};
+  const double sin2_half = 1e-4;  // of an angular radius of 0.02
+  // One over the solid angle of the disc, 2 pi (1 - cos).
+  const double disc = 1 / (2 * std::numbers::pi * 2 * sin2_half);
+  EXPECT_DOUBLE_EQ(highlight<double>(n, view, mirrored, sin2_half, 0, 0.04), 0.04 * disc);
+  const Vec3<double> near{-0.6 * std::cos(0.019), 0.6 * std::sin(0.019), 0.8};
+  EXPECT_GT(highlight<double>(n, view, near / length(near), sin2_half, 0, 0.04), 0);
+  const Vec3<double> off{-0.6 * std::cos(0.05), 0.6 * std::sin(0.05), 0.8};
+  EXPECT_EQ(highlight<double>(n, view, off / length(off), sin2_half, 0, 0.04), 0);
+  EXPECT_EQ(highlight<double>(n, view, mirrored, 0, 0, 0.04), 0) << "a point is no disc";
+  EXPECT_EQ(highlight<double>(n, view, {0.6, 0, -0.8}, sin2_half, 0.3, 0.04), 0);
+}
+
+}  // namespace
