@@ -6,7 +6,9 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -18,6 +20,7 @@ from processes import (
     ROOT,
     StepFailedError,
     describe,
+    end_all,
     run_limited,
     run_program,
     run_step,
@@ -29,6 +32,7 @@ GROUP_SECONDS = 1800
 FUZZ_RUNS = 60_000  # about 15 s
 NO_TEST_COLLECTED = 5  # pytest's exit code
 CORE_SHARDS = 2
+AT_ONCE = 2  # Blenders; most of a test's time is one thread compiling the shader
 # GoogleTests in as many processes as result files: `sh -c RUN_SHARDS tests results...`. One process
 # group, so that a time limit or Ctrl-C ends them all.
 RUN_SHARDS = """
@@ -59,6 +63,7 @@ class Outcome:
 class Group:
     name: str
     run: Callable[[], Outcome]
+    beside: bool = False  # may run beside others
 
 
 def check_groups() -> Iterator[Group]:
@@ -131,7 +136,8 @@ def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
         for blender in blenders:
             for file in sorted((ROOT / "tests" / room).glob("test_*.py")):
                 name = f"{room} {file.stem.removeprefix('test_')}, Blender {blender.version}"
-                yield Group(name, lambda blender=blender, file=file: _pytest(blender, file))
+                run = partial(_pytest, blender, file)
+                yield Group(name, run, beside=True)
 
 
 def _pytest(blender: environments.Blender, file: Path) -> Outcome:
@@ -172,18 +178,33 @@ def _count(results: Sequence[Path]) -> Outcome:
     return outcome
 
 
+def _timed(group: Group) -> tuple[Outcome, float]:
+    start = time.monotonic()
+    return group.run(), time.monotonic() - start
+
+
 def run(groups: Sequence[Group]) -> bool:
     """Runs the groups, prints what failed and a table of counts, and says whether all is well."""
     rows = []
-    for group in groups:
-        start = time.monotonic()
-        outcome = group.run()
-        seconds = time.monotonic() - start
-        verdict = "FAILED" if outcome.failed else "ok"
-        say(f"{verdict:>6}  {group.name} ({seconds:.1f} s)")
+
+    def finish(group: Group, outcome: Outcome, seconds: float) -> None:
+        say(f"{'FAILED' if outcome.failed else 'ok':>6}  {group.name} ({seconds:.1f} s)")
         for text in outcome.report:
             say(text)
         rows.append((group.name, outcome, seconds))
+
+    for group in groups:
+        if not group.beside:
+            finish(group, *_timed(group))
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        running = {pool.submit(_timed, group): group for group in groups if group.beside}
+        try:
+            for done in as_completed(running):
+                finish(running[done], *done.result())
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_all()
+            raise
 
     say(f"\n{'group':<48}{'passed':>8}{'failed':>8}{'skipped':>8}{'seconds':>9}")
     for name, outcome, seconds in rows:
