@@ -7,7 +7,9 @@
 #include <limits>
 #include <vector>
 
+#include "composition.h"
 #include "flake_lobe.h"
+#include "mixture.h"
 #include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
@@ -52,10 +54,16 @@ void for_directions(TestScene scene, const Visit& visit) {
 template <class T>
 void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   std::feclearexcept(FE_ALL_EXCEPT);
-  const auto expected = expect_sparkles(layer, scene.point<T>(), scene.seen<T>());
+  const SurfacePoint<T> point = scene.point<T>();
+  const auto expected = expect_sparkles(layer, point, scene.seen<T>());
   const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
   const auto drawn =
       draw_sparkles(expected, layer.flakes[0].area_spread, stream_key(1, 0, 2, 3), 5, 7);
+  const auto all = sparkle(layer, point, pass_between(layer, point, scene.seen<T>()), 0, 1, 2);
+  const Rgb<T> mixture = mixture_albedo(layer, Rgb<T>{T(0.9), T(0.5), T(0.02)},
+                                        std::max(dot(point.normal, point.view), T(0)));
+  const T shine = highlight(point.normal, point.view, Vec3<T>(scene.light),
+                            static_cast<T>(scene.light_sine) / 4, T(0.3), T(0.5));
   const Rgb<T> brdf =
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
   const auto lobe = sample_flake(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), T(0.7), T(0.3));
@@ -71,6 +79,11 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   ASSERT_TRUE(sound(drawn.count)) << type << ' ' << drawn.count << ' ' << scene;
   ASSERT_TRUE(sound(drawn.radiance)) << type << " drawn " << drawn.radiance.x << ' ' << scene;
   ASSERT_LE(max_component(drawn.radiance), expected.ceiling) << type << ' ' << scene;
+  ASSERT_TRUE(sound(all.radiance)) << type << " all " << all.radiance.x << ' ' << scene;
+  ASSERT_TRUE(sound(all.mean_radiance)) << type << " all " << all.mean_radiance.x << ' ' << scene;
+  ASSERT_TRUE(sound(mixture)) << type << " mixture " << mixture.x << ' ' << scene;
+  ASSERT_LE(max_component(mixture), T(1)) << type << ' ' << scene;
+  ASSERT_TRUE(sound(shine)) << type << " highlight " << shine << ' ' << scene;
   ASSERT_TRUE(sound(lobe.weight)) << type << " lobe " << lobe.weight.x << ' ' << scene;
   ASSERT_TRUE(sound(brdf)) << type << ' ' << brdf.x << ' ' << scene;
 }
@@ -155,15 +168,23 @@ TEST(Extremes, RandomValidPaints) {
     const auto colour = [&](double most) {
       return Rgb<double>{random.uniform(0, most), random.uniform(0, most), random.uniform(0, most)};
     };
-    p.flakes_per_mm2 = random.log_uniform(1e-6, 1e9);
-    p.flake_diameter_um = random.log_uniform(1e-3, 1e5);
-    p.flake_area_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-3, 100);
-    p.orientation = static_cast<Orientation>(random.below(3));
-    p.tilt = random.log_uniform(1e-6, p.orientation == Orientation::gaussian ? 100 : 1);
-    p.flake_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-9, 0.5);
-    p.flake_color = colour(0.5);
-    p.flake_edge_color = colour(0.5);
-    p.flake_transmission = colour(0.5);
+    const auto fill = [&](FlakeSpecies& f) {
+      f.flakes_per_mm2 = random.log_uniform(1e-6, 1e9);
+      f.flake_diameter_um = random.log_uniform(1e-3, 1e5);
+      f.flake_area_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-3, 100);
+      f.orientation = static_cast<Orientation>(random.below(3));
+      f.tilt = random.log_uniform(1e-6, f.orientation == Orientation::gaussian ? 100 : 1);
+      f.flake_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-9, 0.5);
+      f.flake_color = colour(0.5);
+      f.flake_edge_color = colour(0.5);
+      f.flake_transmission = colour(0.5);
+      f.coating = static_cast<CoatingKind>(random.below(2) * random.below(kCoatingKinds));
+      f.coating_nm = random.uniform(0, kMostCoatingNm);
+    };
+    fill(p);
+    if (random.below(2) == 0) fill(p.more[0]);
+    if (random.below(3) == 0) fill(p.more[1]);
+    p.diffraction = static_cast<Diffraction>(random.below(2));
     p.binder_ior = random.log_uniform(0.1, 10);
     p.layer_thickness_um = random.log_uniform(1e-6, 1e6);
     p.binder_absorption_per_mm = colour(random.log_uniform(1e-9, 1e6));
