@@ -72,6 +72,8 @@ py::dict explicit_flakes(const Paint& paint, py::handle view, py::handle light,
   all["count"] = counts;
   all["radiance"] = radiance;
   all["flakes"] = traced.flakes;
+  all["sparkles"] = py::array_t<double>(static_cast<py::ssize_t>(traced.sparkles.size()),
+                                        traced.sparkles.data());
   all["mean_share"] = rgb(traced.mean_share);
   all["mean_square_share"] = rgb(traced.mean_square_share);
   return all;
@@ -90,7 +92,7 @@ view, light (3,): unit, away from a plane paint of normal +z. light_radius: angu
 footprint: area of a square pixel, m2. pixels: their number n. shadowing: "discs", by the other
 flakes as they lie, at `points` points of each sparkling flake; "attenuated", by exp(-z t);
 "thinned", by chance with that probability; "none". Results: count (n,), radiance (n, 3) per unit
-irradiance normal to the light in 1/sr, flakes (their number), and mean_share, mean_square_share
-(3,), E[s] and E[s^2] over all sparkles of the share s that the shadowing leaves. The same for a
-seed whatever the number of cores.)doc");
+irradiance normal to the light in 1/sr, flakes (their number), sparkles (3,), the sum of count for
+each species, and mean_share, mean_square_share (3,), E[s] and E[s^2] over all sparkles of the share
+s that the shadowing leaves. The same for a seed whatever the number of cores.)doc");
 }

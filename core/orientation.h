@@ -31,8 +31,9 @@ template <class T>
 struct OrientationDensity {
   Orientation kind;
   T tilt;
-  T norm;      // integral of the shape times sin(beta)
-  T mean_cos;  // <cos beta>
+  T norm;       // integral of the shape times sin(beta)
+  T mean_cos;   // <cos beta>
+  T below = 1;  // gaussian: share of exp(-b^2/2s^2) b below 90 degrees, which `sample_tilt` draws
 };
 
 // Beyond so many tilts a Gaussian is below rounding.
@@ -54,11 +55,14 @@ template <class T>
 OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
   if constexpr (!std::is_same_v<T, Wide<T>>) {
     const auto wide = make_orientation<Wide<T>>(kind, tilt);
-    return {kind, tilt, static_cast<T>(wide.norm), static_cast<T>(wide.mean_cos)};
+    return {kind, tilt, static_cast<T>(wide.norm), static_cast<T>(wide.mean_cos),
+            static_cast<T>(wide.below)};
   }
   OrientationDensity<T> density{kind, tilt, 1, 1};
   const T square = tilt * tilt;
   if (kind == Orientation::gaussian) {
+    const T half_pi = std::numbers::pi_v<T> / 2;
+    density.below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
     if (std::is_same_v<T, float> && square <= T(0.08)) {
       // The upper limit pi/2 taken as infinity (the missing tail is under 2e-7):
       // integral of exp(-b^2/2s^2) sin(b) = s^2 dawson_series(s^2), with sin(2b)/2 for sin(b): y ->
@@ -218,12 +222,10 @@ SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
     return {x / 2, ratio * ratio / (density.norm * square)};
   }
   if (density.tilt > T(0.5)) return {u / 2, orientation_density(density, u / 2)};
-  const T half_pi = std::numbers::pi_v<T> / 2;
-  const T below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
-  const T beta = density.tilt * std::sqrt(-2 * logarithm(1 - u * below));
+  const T beta = density.tilt * std::sqrt(-2 * logarithm(1 - u * density.below));
   const T half = sine(beta / 2);
   const T sinc = beta > 0 ? sine(beta) / beta : T(1);
-  return {half * half, sinc * square * below / density.norm};
+  return {half * half, sinc * square * density.below / density.norm};
 }
 
 // P(beta) at cos(beta) = 0, 1/n, ..., 1, interpolated linearly, as the paper tabulates it to be rid

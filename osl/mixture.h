@@ -13,7 +13,10 @@
 
 #define MIXTURE_POINTS 3
 #define FORGETTING 20.0
-#define FEW_FLAKES 1e-5
+#define FEW_FLAKES 1e-3
+#define NARROW_TILT 0.25
+#define PAIR_NODE 0.211324865
+#define PAIR_OTHER 0.788675135
 
 void mixture_rule(output float node[3], output float weight[3])
 {
@@ -23,16 +26,18 @@ void mixture_rule(output float node[3], output float weight[3])
   weight = weights;
 }
 
-float escape_transmittance(float cos_in, float eta)
+float escape_over_cosine(float cos_in, float eta)
 {
   float g = eta * cos_in;
   float square = (1.0 - eta) * (1.0 + eta) + g * g;
-  if (!(square > 0.0) || !(g > 0.0))
+  if (!(square > 0.0) || !(g > 1e-4))
     return 0.0;
   float cos_out = sqrt(square);
-  float s = g / (cos_out + g);
-  float p = g / (eta * eta * cos_out + g);
-  return 2.0 * (s * (1.0 - s) + p * (1.0 - p));
+  float index = eta * eta;
+  float s = cos_out + g;
+  float p = index * cos_out + g;
+  float both = s * p;
+  return 2.0 * eta * cos_out * (p * p + index * (s * s)) / (both * both);
 }
 
 struct DiffuseSurface {
@@ -75,8 +80,7 @@ float tilt_deviate(OrientationDensity density, float sin2_half_beta)
     return 2.0 * h / (square + (1.0 - density.tilt) * (1.0 + density.tilt) * 2.0 * h);
   if (density.tilt > 0.5)
     return 2.0 * h;
-  return (1.0 - exponential(-0.5 * squared_angle(h) / square)) /
-         (1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square));
+  return (1.0 - exponential(-0.5 * squared_angle(h) / square)) / density.below;
 }
 
 float edge_deviate(OrientationDensity density, float cos_two_beta)
@@ -107,6 +111,7 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float both = cos_in * critical;
   float across = sin_in * sin_critical;
+  int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
@@ -122,8 +127,13 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
     start = end;
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
-    for (int i = 0; i < MIXTURE_POINTS; ++i) {
+    for (int i = 0; i < (narrow ? 2 : 3); ++i) {
       float x = node[i];
+      float part = weight[i];
+      if (narrow) {
+        x = i == 0 ? PAIR_NODE : PAIR_OTHER;
+        part = 0.5;
+      }
       float place = x * (2.0 - x);
       float slope = 2.0 * (1.0 - x);
       if (piece == 1) {
@@ -138,23 +148,27 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
       float a = 2.0 * p * cos_beta - cos_in;
       float b = 2.0 * q * cos_beta;
       float limit = HALF_PI;
-      if (a - b < critical) {
+      if (piece == 1 && a - b < critical) {
         if (a + b <= critical)
           continue;
         limit = arccosine(sqrt(clamp(((b - a) + critical) / (2.0 * b), 0.0, 1.0)));
       }
-      float ring = weight[i] * slope * width * tilt.weight * limit * (2.0 / M_PI);
-      for (int j = 0; j < MIXTURE_POINTS; ++j) {
-        float half_sine = sine(limit * node[j]);
-        float cos_phi = 1.0 - 2.0 * half_sine * half_sine;
+      float ring = part * slope * width * tilt.weight * limit * (1.0 / M_PI);
+      for (int j = 0; j < 2; ++j) {
+        float cos_phi = j == 0 ? 0.707106781 : -0.707106781;
+        if (limit < HALF_PI) {
+          float half_sine = sine(limit * (j == 0 ? PAIR_NODE : PAIR_OTHER));
+          cos_phi = 1.0 - 2.0 * half_sine * half_sine;
+        }
         float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
         float cos_out = min(a + b * cos_phi, 1.0);
-        float share = weight[j] * ring * cos_alpha;
-        float escaping = share * escape_transmittance(cos_out, eta);
+        float share = ring * cos_alpha;
+        float path = share * escape_over_cosine(cos_out, eta);
+        float escaping = path * cos_out;
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
-        sum.exit_path = sum.exit_path + escaping / max(cos_out, LEAST_COSINE);
+        sum.exit_path = sum.exit_path + path;
       }
     }
   }
@@ -262,7 +276,14 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
   rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
-  rates.depth = rates.depth + (color(1.0) - t) * (flux * area) + (color(1.0) - t_cone) * cone_flux;
+  color passed = t;
+  if (is_clear(coating.kind)) {
+    float exit_cosine = cos_in;
+    if (mirrored.exit_path > 0.0)
+      exit_cosine = min(mirrored.escaping / mirrored.exit_path, 1.0);
+    passed = mean_flake_transmittance(orientation, coating, library, (cos_in + exit_cosine) / 2.0);
+  }
+  rates.depth = rates.depth + (color(1.0) - passed) * (flux * area + cone_flux);
 }
 
 // In the colour channel c: 0, 1, 2.
@@ -349,7 +370,8 @@ color mixture_albedo(Layer layer, Flakes flakes[SPECIES], float library[], color
   FlakeRates rates = no_flakes();
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes[i];
-    add_flakes(rates, some.coverage, some.orientation, some.coating, library, surface, cos_in, eta);
+    if (some.coverage > 0.0)
+      add_flakes(rates, some.coverage, some.orientation, some.coating, library, surface, cos_in, eta);
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;

@@ -18,6 +18,7 @@ struct OrientationDensity {
   float tilt;
   float norm;
   float mean_cos;
+  float below;
 };
 
 float dawson_series(float y)
@@ -31,8 +32,10 @@ OrientationDensity make_orientation(int kind, float tilt)
   OrientationDensity density;
   density.kind = kind;
   density.tilt = tilt;
+  density.below = 1.0;
   float square = tilt * tilt;
   if (kind == ORIENTATION_GAUSSIAN) {
+    density.below = 1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square);
     if (square <= 0.08) {
       density.norm = square * dawson_series(square);
       density.mean_cos = dawson_series(4.0 * square) / dawson_series(square);
@@ -176,14 +179,13 @@ SampledTilt sample_tilt(OrientationDensity density, float deviate)
     sampled.weight = orientation_density(density, deviate / 2.0);
   }
   else {
-    float below = 1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square);
-    float beta = density.tilt * sqrt(-2.0 * logarithm(1.0 - deviate * below));
+    float beta = density.tilt * sqrt(-2.0 * logarithm(1.0 - deviate * density.below));
     float half = sine(beta / 2.0);
     float sinc = 1.0;
     if (beta > 0.0)
       sinc = sine(beta) / beta;
     sampled.sin2_half_beta = half * half;
-    sampled.weight = sinc * square * below / density.norm;
+    sampled.weight = sinc * square * density.below / density.norm;
   }
   return sampled;
 }

@@ -123,6 +123,7 @@ class TracedFlakes(TypedDict):
     count: NDArray[np.float64]  # (n,): sparkles
     radiance: NDArray[np.float64]  # (n, 3): T, per unit irradiance normal to the light, 1/sr
     flakes: float  # traced in all pixels
+    sparkles: NDArray[np.float64]  # (3,): sum of count for each species
     mean_share: NDArray[np.float64]  # (3,): E[s] over all sparkles, the share that shadowing leaves
     mean_square_share: NDArray[np.float64]  # (3,): E[s^2]
 

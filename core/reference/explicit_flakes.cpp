@@ -2,13 +2,14 @@
 #include "explicit_flakes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "../batch.h"
 #include "../validation.h"
-#include "flake_normals.h"
 #include "optics.h"
+#include "population.h"
 #include "random.h"
 
 namespace metallic_paint::reference {
@@ -50,16 +51,43 @@ double horizontal_square(Vector d) { return d.x * d.x + d.y * d.y; }
 
 constexpr double kFlakesPerCell = 4;     // up to four times as many
 constexpr double kMostPerSide = 0x1p26;  // pixels of a cell
+constexpr int kCosineSteps = 32;         // over the light
 
 struct Cell {
   std::int64_t x, y;
 };
 
+struct Species;
+
 struct Flake {
+  const Species* species;
   Vector position;  // from the corner of its cell
   double depth;     // of its centre, 0 to 1 of the layer
   Vector normal;
   RandomStream rest;  // its area first, then whatever its tracing needs
+};
+
+// Of the mean deviate, m2.
+double disc_area(const FlakeSpecies& flakes) {
+  return kPi / 4 * square(flakes.flake_diameter_um * 1e-6);
+}
+
+// Of any of these flakes, m.
+double largest_radius(const FlakeSpecies& flakes) {
+  return std::sqrt(disc_area(flakes) * (1 + flakes.flake_area_spread * kLargestDeviate) / kPi);
+}
+
+// Flakes of a species, SI.
+struct Species : Population {
+  explicit Species(const Population& some) : Population(some), area(disc_area(flakes)) {}
+
+  double area;        // of the mean deviate
+  double up_to = 0;   // density of the flakes of this species and those before it, 1/m2
+  double reach2 = 4;  // no farther from light_in does a flake meet it, chord
+  // Mean transmittance towards the observer, and towards the light at even steps of the cosine;
+  // only where it depends on the angle.
+  Colour passed_to_view{};
+  std::vector<Colour> passed_to_light{};
 };
 
 // A scene as the tracing needs it, SI.
@@ -67,9 +95,9 @@ struct Plane {
   explicit Plane(const ExplicitScene& scene);
 
   const ExplicitScene& scene;
-  FlakeNormals normals;
+  std::vector<Species> species{};
   double thickness;
-  double disc_area, largest_radius;  // of the mean deviate; of any flake
+  double widest_radius = 0;          // of any flake
   double pixel, cell;                // sides
   std::int64_t cells_per_side = 1;   // of a tile
   std::int64_t pixels_per_side = 1;  // of a tile
@@ -81,23 +109,33 @@ struct Plane {
   double view_transmittance = 0;  // of the surface
   double light_chord2;            // square of the chord of the light's radius
   double light_solid_angle;       // outside
-  double reach2 = 4;              // no farther from light_in does a flake meet it, chord
-  Colour binder_depth{};          // of the whole layer, straight down
-  Colour blocking{};              // D H <S> (1 - t)
+  double least_cosine;            // of the light in the binder
+  double most_cosine;
+  Colour binder_depth{};  // of the whole layer, straight down
 };
 
-double flake_area(const Plane& plane, RandomStream& random) {
-  return plane.disc_area *
-         std::max(0.0, 1 + plane.scene.paint.flake_area_spread * normal_deviate(random));
+double flake_area(const Species& species, RandomStream& random) {
+  return species.area *
+         std::max(0.0, 1 + species.flakes.flake_area_spread * normal_deviate(random));
 }
 
-Plane::Plane(const ExplicitScene& given)
-    : scene(given), normals(given.paint.orientation, given.paint.tilt) {
+double flakes_per_m2(const Paint& paint) {
+  double sum = 0;
+  for (int i = 0; i < kSpecies; ++i) sum += paint.species(i).flakes_per_mm2;
+  return sum * 1e6;
+}
+
+Plane::Plane(const ExplicitScene& given) : scene(given) {
   const Paint& paint = scene.paint;
-  const double density = paint.flakes_per_mm2 * 1e6;  // per m2
+  const double density = flakes_per_m2(paint);
   thickness = paint.layer_thickness_um * 1e-6;
-  disc_area = kPi / 4 * square(paint.flake_diameter_um * 1e-6);
-  largest_radius = std::sqrt(disc_area * (1 + paint.flake_area_spread * kLargestDeviate) / kPi);
+  double so_far = 0;
+  for (const Population& some : populations(paint)) {
+    species.emplace_back(some);
+    widest_radius = std::max(widest_radius, largest_radius(some.flakes));
+    so_far += some.flakes.flakes_per_mm2 * 1e6;
+    species.back().up_to = so_far;
+  }
 
   pixel = std::sqrt(scene.footprint);
   // Cells along a pixel, or pixels along a cell.
@@ -125,10 +163,50 @@ Plane::Plane(const ExplicitScene& given)
   // Refraction into a denser binder brings directions closer together.
   light_in = refracted(light, eta);
   if (eta >= 1 && light_in.z > 0) {
-    reach2 = square(flake_spread(paint) + std::sqrt(light_chord2)) * (1 + 1e-9);
+    for (Species& some : species) {
+      some.reach2 = square(some.spread + std::sqrt(light_chord2)) * (1 + 1e-9);
+    }
   }
   binder_depth = absorption_depth(paint) + grey(rayleigh_depth(paint));
-  blocking = (grey(1.0) - paint.flake_transmission) * flake_coverage(paint);
+
+  const double angle = std::acos(std::min(light.z, 1.0));
+  const double from = std::min(angle + scene.light_radius, kPi / 2);
+  least_cosine = refracted_cosine(std::cos(from), eta);
+  most_cosine = refracted_cosine(std::cos(std::max(angle - scene.light_radius, 0.0)), eta);
+  const bool by_depth =
+      scene.shadowing == Shadowing::attenuated || scene.shadowing == Shadowing::thinned;
+  if (!by_depth || !seen) return;
+  for (Species& some : species) {
+    if (!transmits_by_angle(some.flakes)) continue;
+    some.passed_to_view = some.mean_transmittance(view_in.z);
+    for (int i = 0; i <= kCosineSteps; ++i) {
+      some.passed_to_light.push_back(
+          some.mean_transmittance(least_cosine + (most_cosine - least_cosine) * i / kCosineSteps));
+    }
+  }
+}
+
+// Optical depth of the whole layer by its flakes, to the observer and to the light.
+Colour flake_depth(const Plane& plane, double cos_light) {
+  Colour sum{};
+  for (const Species& some : plane.species) {
+    const double to_view = some.projected_area.at(plane.view_in.z) / plane.view_in.z;
+    const double to_light = some.projected_area.at(cos_light) / cos_light;
+    if (some.passed_to_light.empty()) {
+      sum = sum + (grey(1.0) - flake_transmittance(some.flakes, 1)) * some.coverage *
+                      (to_view + to_light);
+      continue;
+    }
+    const double width = std::max(plane.most_cosine - plane.least_cosine, 1e-12);
+    const double place =
+        std::clamp((cos_light - plane.least_cosine) / width, 0.0, 1.0) * kCosineSteps;
+    const int below = std::min(static_cast<int>(place), kCosineSteps - 1);
+    const Colour* node = &some.passed_to_light[static_cast<std::size_t>(below)];
+    const Colour passed = node[0] + (node[1] - node[0]) * (place - below);
+    sum = sum + ((grey(1.0) - some.passed_to_view) * to_view + (grey(1.0) - passed) * to_light) *
+                    some.coverage;
+  }
+  return sum;
 }
 
 RandomStream stream_of(const Plane& plane, Cell cell) {
@@ -139,10 +217,15 @@ RandomStream stream_of(const Plane& plane, Cell cell) {
 
 Flake make_flake(const Plane& plane, const RandomStream& cell, std::uint64_t index) {
   RandomStream random = cell.substream(index);
+  const Species* species = plane.species.data();
+  if (plane.species.size() > 1) {
+    const double pick = random() * plane.species.back().up_to;
+    while (species != &plane.species.back() && pick >= species->up_to) ++species;
+  }
   const double x = random(), y = random(), depth = random();
   const Vector position{plane.cell * x, plane.cell * y, -plane.thickness * depth};
-  const Vector normal = plane.normals.sample(random);
-  return {position, depth, normal, random};
+  const Vector normal = species->normals.sample(random);
+  return {species, position, depth, normal, random};
 }
 
 // Calls visit(flake, index) for each flake of a cell. Their number: as many uniform deviates as can
@@ -167,9 +250,10 @@ struct LightMet {
 };
 
 // What a flake without losses would show that mirrors the observer's ray into `mirrored`.
-LightMet meet_light(const Plane& plane, Vector mirrored, RandomStream& random) {
+LightMet meet_light(const Plane& plane, const Species& species, Vector mirrored,
+                    RandomStream& random) {
   const double eta = plane.scene.paint.binder_ior;
-  const double spread = flake_spread(plane.scene.paint);
+  const double spread = species.spread;
   LightMet met;
   if (spread == 0) {
     // The light's own radiance, 1/Omega.
@@ -185,7 +269,7 @@ LightMet meet_light(const Plane& plane, Vector mirrored, RandomStream& random) {
   // by its solid angle pi spread^2; d omega inside/outside = cos/(eta^2 cos_p). A cap of that solid
   // angle holds what is within a chord of `spread`.
   const Vector off = mirrored - plane.light_in;
-  if (dot(off, off) > plane.reach2) return met;
+  if (dot(off, off) > species.reach2) return met;
   const Frame frame = frame_of(plane.light);
   const int points = plane.light_chord2 > 0 ? plane.scene.points : 1;
   const Spiral spiral(points, random);
@@ -247,17 +331,16 @@ struct DiscPoint {
 void shadow(const Plane& plane, Cell home, std::uint64_t own_index, const Flake& own, double radius,
             Vector direction, std::vector<DiscPoint>& points) {
   const double deepest = -own.position.z + radius;
-  const double limit = 1e3 * (plane.thickness + plane.largest_radius);
+  const double limit = 1e3 * (plane.thickness + plane.widest_radius);
   const double sideways = std::sqrt(horizontal_square(direction));
   double full = deepest / direction.z;
   if (sideways * full > limit) full = limit / sideways;
-  const double margin = radius + plane.largest_radius;
-  const Colour transmission = plane.scene.paint.flake_transmission;
+  const double margin = radius + plane.widest_radius;
   visit_along(plane, home, own.position, direction * full, margin,
               [&](const Flake& other, std::uint64_t index, bool at_home) {
                 if (at_home && index == own_index) return;
                 RandomStream rest = other.rest;
-                const double radius2 = flake_area(plane, rest) / kPi;
+                const double radius2 = flake_area(*other.species, rest) / kPi;
                 // Too far from the middle of the beam, whatever the disc's tilt.
                 const Vector between = other.position - own.position;
                 const double along = std::clamp(dot(between, direction), 0.0, full);
@@ -265,6 +348,8 @@ void shadow(const Plane& plane, Cell home, std::uint64_t own_index, const Flake&
                 if (dot(off, off) > square(std::sqrt(radius2) + radius)) return;
                 const double slope = dot(other.normal, direction);
                 if (slope == 0) return;
+                const Colour transmission =
+                    flake_transmittance(other.species->flakes, std::abs(slope));
                 for (DiscPoint& point : points) {
                   const Vector to_centre = other.position - point.position;
                   const double distance = dot(other.normal, to_centre) / slope;
@@ -299,12 +384,12 @@ Colour visible_share(const Plane& plane, Cell home, std::uint64_t index, const F
 // All flakes.
 
 struct Sums {
-  double flakes = 0, sparkles = 0;
+  double flakes = 0;
+  std::array<double, kSpecies> sparkles{};
   Colour share{}, square_share{};
 };
 
-void trace_tile(const Plane& plane, const ProjectedAreaTable& projected_area, std::int64_t tile,
-                ExplicitResult& result, Sums& sums) {
+void trace_tile(const Plane& plane, std::int64_t tile, ExplicitResult& result, Sums& sums) {
   const ExplicitScene& scene = plane.scene;
   const auto first_pixel =
       static_cast<std::size_t>(tile * plane.pixels_per_side * plane.pixels_per_side);
@@ -323,10 +408,10 @@ void trace_tile(const Plane& plane, const ProjectedAreaTable& projected_area, st
     const Vector mirrored = flake.normal * (2 * facing) - plane.view_in;
     if (mirrored.z <= 0) return;
     RandomStream random = flake.rest.substream(0);
-    const LightMet met = meet_light(plane, mirrored, random);
+    const LightMet met = meet_light(plane, *flake.species, mirrored, random);
     if (!(met.received > 0)) return;
 
-    const double area = flake_area(plane, flake.rest);
+    const double area = flake_area(*flake.species, flake.rest);
     const double slant = 1 / plane.view_in.z + 1 / met.towards.z;
     const auto dimmed = [&](Colour depth) {
       return map(depth, [&](double x) { return std::exp(-flake.depth * x); });
@@ -337,9 +422,7 @@ void trace_tile(const Plane& plane, const ProjectedAreaTable& projected_area, st
     if (scene.shadowing == Shadowing::discs) {
       share = visible_share(plane, home, index, flake, area, met.towards, random);
     } else if (scene.shadowing != Shadowing::none) {
-      const double both_ways = projected_area.at(plane.view_in.z) / plane.view_in.z +
-                               projected_area.at(met.towards.z) / met.towards.z;
-      share = dimmed(plane.blocking * both_ways + absorbed);
+      share = dimmed(flake_depth(plane, met.towards.z) + absorbed);
       binder = {1, 1, 1};
       if (scene.shadowing == Shadowing::thinned) {
         const double most = max_component(share);
@@ -349,12 +432,12 @@ void trace_tile(const Plane& plane, const ProjectedAreaTable& projected_area, st
     }
     // The flake covers S cos(alpha)/(cos(theta_p) Sigma) of the pixel.
     const double cos_alpha = std::abs(facing);
-    const Colour coating = flake_reflectance(scene.paint, cos_alpha);
+    const Colour coating = flake_reflectance(flake.species->flakes, cos_alpha);
     const double unit = plane.view_transmittance * met.received * area * cos_alpha /
                         (plane.view_in.z * scene.footprint);
     result.count[pixel] += 1;
     result.radiance[pixel] = result.radiance[pixel] + coating * share * binder * unit;
-    sums.sparkles += 1;
+    sums.sparkles[flake.species->index] += 1;
     sums.share = sums.share + share;
     sums.square_share = sums.square_share + share * share;
   };
@@ -376,8 +459,14 @@ void validate(const ExplicitScene& scene) {
   require_unit("view", scene.view);
   require_unit("light", scene.light);
   require_range("light_radius", scene.light_radius, 0, kPi / 2, " rad");
-  const double width = scene.light_radius + flake_spread(scene.paint);
-  if (!(width > 0)) reject("light_radius + flake_spread", width, "above 0 rad");
+  double widest = 0;
+  for (int i = 0; i < kSpecies; ++i) {
+    const FlakeSpecies& flakes = scene.paint.species(i);
+    if (i > 0 && !(flakes.flakes_per_mm2 > 0)) continue;
+    widest = std::max(widest, largest_radius(flakes));
+    const double width = scene.light_radius + flake_spread(scene.paint, flakes);
+    if (!(width > 0)) reject("light_radius + flake_spread", width, "above 0 rad for each species");
+  }
   require_range("footprint", scene.footprint, 1e-20, 1e6, " m2");
   const auto pixels = static_cast<double>(scene.pixels);
   require_range("pixels", pixels, 1, 0x1p26);
@@ -386,15 +475,15 @@ void validate(const ExplicitScene& scene) {
   if (shadowing < 0 || shadowing > 3) {
     reject("shadowing", shadowing, "0 (none), 1 (attenuated), 2 (thinned) or 3 (discs)");
   }
-  const double density = scene.paint.flakes_per_mm2 * 1e6;
+  const double density = flakes_per_m2(scene.paint);
   const double flakes = density * scene.footprint * pixels;
   if (flakes > 1e12) reject("number of flakes in all pixels", flakes, "at most 1e12");
   if (scene.shadowing != Shadowing::discs) return;
-  const Plane plane(scene);
-  const double beam =
-      plane.seen ? plane.thickness * std::sqrt(horizontal_square(plane.view_in)) / plane.view_in.z
-                 : 0;
-  const double near = density * 4 * plane.largest_radius * (beam + 4 * plane.largest_radius);
+  const Vector view_in = refracted(scene.view, scene.paint.binder_ior);
+  const double beam = view_in.z > 0 ? scene.paint.layer_thickness_um * 1e-6 *
+                                          std::sqrt(horizontal_square(view_in)) / view_in.z
+                                    : 0;
+  const double near = density * 4 * widest * (beam + 4 * widest);
   if (near > 1e8) {
     reject("number of flakes near a sparkle's way to the surface", near,
            "at most 1e8 with the shadowing of discs");
@@ -408,25 +497,26 @@ ExplicitResult trace_explicit_flakes(const ExplicitScene& scene) {
   result.radiance.resize(scene.pixels);
   const Plane plane(scene);
   if (!plane.seen) return result;
-  const ProjectedAreaTable projected_area(plane.normals);
   std::vector<Sums> sums(static_cast<std::size_t>(plane.tiles));
   parallel_for(
       sums.size(),
       [&](std::size_t tile) {
-        trace_tile(plane, projected_area, static_cast<std::int64_t>(tile), result, sums[tile]);
+        trace_tile(plane, static_cast<std::int64_t>(tile), result, sums[tile]);
       },
       1);
   Sums all;
   for (const Sums& tile : sums) {
     all.flakes += tile.flakes;
-    all.sparkles += tile.sparkles;
+    for (std::size_t i = 0; i < kSpecies; ++i) all.sparkles[i] += tile.sparkles[i];
     all.share = all.share + tile.share;
     all.square_share = all.square_share + tile.square_share;
   }
   result.flakes = all.flakes;
-  if (all.sparkles > 0) {
-    result.mean_share = all.share / all.sparkles;
-    result.mean_square_share = all.square_share / all.sparkles;
+  result.sparkles = all.sparkles;
+  const double sparkles = all.sparkles[0] + all.sparkles[1] + all.sparkles[2];
+  if (sparkles > 0) {
+    result.mean_share = all.share / sparkles;
+    result.mean_square_share = all.square_share / sparkles;
   }
   return result;
 }

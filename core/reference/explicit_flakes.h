@@ -4,13 +4,14 @@
 // core/sparkles.h is measured against; shares with it the parameters of the paint and no formula.
 //
 // The layer fills 0 >= z >= -H below the surface z = 0. Flakes are discs; their centres are uniform
-// in the layer, as many as a Poisson process gives. A flake sparkles if it mirrors the observer's
-// ray, refracted into the binder, so that it meets the light after leaving the binder. With
-// a spread > 0 (flake_spread and diffraction) the flake spreads the mirrored ray evenly over a disc
-// of solid angle pi spread^2 in the binder and sparkles if that holds any of `points` points spread
-// over the light.
+// in the layer, as many of each species as a Poisson process gives. A flake sparkles if it mirrors
+// the observer's ray, refracted into the binder, so that it meets the light after leaving the
+// binder. With a spread > 0 (flake_spread and diffraction) the flake spreads the mirrored ray
+// evenly over a disc of solid angle pi spread^2 in the binder and sparkles if that holds any of
+// `points` points spread over the light.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,7 +26,7 @@ enum class Shadowing {
   attenuated = 1,  // by the mean optical depth above the flake's centre, exp(-z t)
   thinned = 2,     // not at all, or whole: it survives with the probability exp(-z t) of the least
                    // absorbed colour, and the other colours are dimmed besides
-  discs = 3        // by the other flakes, each a disc that transmits flake_transmission
+  discs = 3        // by the other flakes, each a disc that transmits what its coating does
 };
 
 // With discs, `points` points of a sparkling flake are joined to the surface, towards observer and
@@ -43,9 +44,10 @@ struct ExplicitScene {
 };
 
 struct ExplicitResult {
-  std::vector<double> count;          // of sparkles, for each pixel
-  std::vector<Rgb<double>> radiance;  // T, per unit irradiance normal to the light, 1/sr
-  double flakes = 0;                  // traced in all pixels
+  std::vector<double> count;                // of sparkles, for each pixel
+  std::vector<Rgb<double>> radiance;        // T, per unit irradiance normal to the light, 1/sr
+  double flakes = 0;                        // traced in all pixels
+  std::array<double, kSpecies> sparkles{};  // of each species in all pixels
   // Over all sparkles, each counted alike: E[s] and E[s^2] of the share s that `shadowing` leaves
   // of a sparkle (discs: of the binder's own losses nothing, s is the mean over the flake's
   // points). 0 without sparkles.

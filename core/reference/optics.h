@@ -48,10 +48,10 @@ inline double mean_relative_area(double s) {
 }
 
 // D H <S>
-inline double flake_coverage(const Paint& paint) {
-  const double diameter_mm = paint.flake_diameter_um * 1e-3;
-  return paint.flakes_per_mm2 * (std::numbers::pi / 4 * diameter_mm * diameter_mm) *
-         mean_relative_area(paint.flake_area_spread);
+inline double flake_coverage(const FlakeSpecies& flakes) {
+  const double diameter_mm = flakes.flake_diameter_um * 1e-3;
+  return flakes.flakes_per_mm2 * (std::numbers::pi / 4 * diameter_mm * diameter_mm) *
+         mean_relative_area(flakes.flake_area_spread);
 }
 
 // (16 pi/3) c1 H
@@ -111,22 +111,36 @@ inline Rgb<double> library_transmittance(CoatingKind kind, double nm, double cos
   }
 }
 
-// Schlick.
-inline Rgb<double> flake_reflectance(const Paint& paint, double cos_alpha) {
+// Schlick, or the library; cos_alpha from 0 to 1 but for rounding.
+inline Rgb<double> flake_reflectance(const FlakeSpecies& flakes, double cos_alpha) {
+  if (flakes.coating != CoatingKind::colors) {
+    return library_reflectance(flakes.coating, flakes.coating_nm, std::min(cos_alpha, 1.0));
+  }
   const double x = std::max(1 - cos_alpha, 0.0);
-  return paint.flake_color + (paint.flake_edge_color - paint.flake_color) * (x * x * x * x * x);
+  return flakes.flake_color + (flakes.flake_edge_color - flakes.flake_color) * (x * x * x * x * x);
+}
+
+inline Rgb<double> flake_transmittance(const FlakeSpecies& flakes, double cos_alpha) {
+  if (flakes.coating == CoatingKind::colors) return flakes.flake_transmission;
+  return library_transmittance(flakes.coating, flakes.coating_nm, std::min(cos_alpha, 1.0));
+}
+
+// Whether that depends on the angle: the pearls but Fe2O3 on aluminium.
+inline bool transmits_by_angle(const FlakeSpecies& flakes) {
+  return flakes.coating >= CoatingKind::tio2_on_mica &&
+         flakes.coating <= CoatingKind::fe2o3_on_silica;
 }
 
 // ---------------------------------------------------------------------------------------------
 
-// The flake's own spread, waviness and diffraction together. By a disc of diameter d the middle of
+// The flakes' own spread, waviness and diffraction together. By a disc of diameter d the middle of
 // a plane wave is (pi d^2/4)/lambda^2 bright per steradian, which an even cone of solid angle
 // lambda^2/(pi d^2/4) has too; its radius is lambda/pi over d/2.
-inline double flake_spread(const Paint& paint) {
-  if (paint.diffraction == Diffraction::none) return paint.flake_spread;
+inline double flake_spread(const Paint& paint, const FlakeSpecies& flakes) {
+  if (paint.diffraction == Diffraction::none) return flakes.flake_spread;
   const double wavelength_um = 0.55 / paint.binder_ior;
-  const double radius = wavelength_um / std::numbers::pi / (paint.flake_diameter_um / 2);
-  return std::hypot(paint.flake_spread, std::min(radius, 0.5));
+  const double radius = wavelength_um / std::numbers::pi / (flakes.flake_diameter_um / 2);
+  return std::hypot(flakes.flake_spread, std::min(radius, 0.5));
 }
 
 // Two unit vectors that stand on a unit vector and on each other.

@@ -9,8 +9,8 @@
 
 #include "../batch.h"
 #include "../validation.h"
-#include "flake_normals.h"
 #include "optics.h"
+#include "population.h"
 #include "random.h"
 
 namespace metallic_paint::reference {
@@ -25,18 +25,13 @@ constexpr int kMostBins = 16384;
 
 // Lengths in units of the layer's thickness.
 struct Medium {
-  const Paint& paint;
-  FlakeNormals flakes;
-  ProjectedAreaTable projected_area;
-  double coverage, rayleigh;
+  std::vector<Population> flakes;
+  double rayleigh;
   Rgb<double> absorption;
   double eta;
 
-  explicit Medium(const Paint& given)
-      : paint(given),
-        flakes(paint.orientation, paint.tilt),
-        projected_area(flakes),
-        coverage(flake_coverage(paint)),
+  explicit Medium(const Paint& paint)
+      : flakes(populations(paint)),
         rayleigh(rayleigh_depth(paint)),
         absorption(absorption_depth(paint)),
         eta(paint.binder_ior) {}
@@ -59,10 +54,11 @@ struct Detector {
     reflectance = fresnel_reflectance(outside.z, cos_in, medium.eta);
     factor = (1 - reflectance) / (medium.eta * medium.eta * cos_in);
     // Flakes let their transmittance through.
-    const double area = medium.coverage * medium.projected_area.at(cos_in);
-    slant = ((grey(1.0) - medium.paint.flake_transmission) * area + grey(medium.rayleigh) +
-             medium.absorption) /
-            cos_in;
+    for (const Population& some : medium.flakes) {
+      const double area = some.coverage * some.projected_area.at(cos_in);
+      slant = slant + (grey(1.0) - some.mean_transmittance(cos_in)) * area;
+    }
+    slant = (slant + grey(medium.rayleigh) + medium.absorption) / cos_in;
   }
 };
 
@@ -112,8 +108,13 @@ class Walker {
   // To the next event; false where the photon ends.
   bool step() {
     const double cosine = std::max(std::abs(direction_.z), 1e-12);
-    const double area = medium_.projected_area.at(cosine);
-    const double flake_rate = medium_.coverage * area;
+    std::array<double, kSpecies> area{}, met{};  // <s>; D H <S> <s>, added up
+    double flake_rate = 0;
+    for (std::size_t i = 0; i < medium_.flakes.size(); ++i) {
+      const Population& some = medium_.flakes[i];
+      area[i] = some.projected_area.at(cosine);
+      met[i] = flake_rate += some.coverage * area[i];
+    }
     const double rate = flake_rate + medium_.rayleigh;
     const bool up = direction_.z > 0;
     const double to_boundary = (up ? depth_ : 1 - depth_) / cosine;
@@ -126,7 +127,11 @@ class Walker {
     }
     if (free_path >= to_boundary) return up ? meet_surface() : meet_substrate();
     depth_ = std::clamp(depth_ + (up ? -cosine : cosine) * free_path, 0.0, 1.0);
-    return random_() * rate < flake_rate ? meet_flake(area) : meet_pigment();
+    const double event = random_() * rate;
+    for (std::size_t i = 0; i < medium_.flakes.size(); ++i) {
+      if (event < met[i]) return meet_flake(medium_.flakes[i], area[i]);
+    }
+    return meet_pigment();
   }
 
   // The rest is absorbed.
@@ -195,8 +200,8 @@ class Walker {
     return true;
   }
 
-  // area: <s> of the photon's direction.
-  bool meet_flake(double area) {
+  // area: its species' <s> in the photon's direction.
+  bool meet_flake(const Population& some, double area) {
     const int before = component_;
     component_ = with(single_flake);
     // Of the photons that meet a flake: the density p |v . n|/<s> of the normal half-way to o,
@@ -205,13 +210,13 @@ class Walker {
       const Vec3<double> sum = o - direction_;
       const double size = length(sum);
       if (!(size > 0)) return Rgb<double>{};
-      return flake_reflectance(medium_.paint, size / 2) *
-             (medium_.flakes.density(sum / size) / (4 * area));
+      return flake_reflectance(some.flakes, size / 2) *
+             (some.normals.density(sum / size) / (4 * area));
     });
-    const Vec3<double> n = medium_.flakes.sample_met(direction_, random_);
+    const Vec3<double> n = some.normals.sample_met(direction_, random_);
     const double cosine = dot(direction_, n);
-    const Rgb<double> mirrored = weight_ * flake_reflectance(medium_.paint, std::abs(cosine));
-    const Rgb<double> passed = weight_ * medium_.paint.flake_transmission;
+    const Rgb<double> mirrored = weight_ * flake_reflectance(some.flakes, std::abs(cosine));
+    const Rgb<double> passed = weight_ * flake_transmittance(some.flakes, std::abs(cosine));
     tally_.absorbed = tally_.absorbed + (weight_ - mirrored - passed);
     // Either way at random, by the sum over the colours: that sum then stays the same.
     const double mirrored_sum = mirrored.x + mirrored.y + mirrored.z;

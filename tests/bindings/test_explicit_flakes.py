@@ -35,6 +35,22 @@ def test_shapes_and_meaning() -> None:
     assert 0 < traced["mean_share"][0] ** 2 < traced["mean_square_share"][0] < 1
 
 
+def test_every_species_is_traced_and_counted() -> None:
+    pearl = core.FlakeSpecies(flakes_per_mm2=1000, tilt=0.2, coating=9, coating_nm=90)
+    only_pearl = core.Paint(flakes_per_mm2=0, more=[core.FlakeSpecies(flakes_per_mm2=0), pearl])
+    both = core.Paint(flakes_per_mm2=2000, tilt=0.2, more=[core.FlakeSpecies(flakes_per_mm2=0), pearl])
+    traced = trace(paint=only_pearl)
+    assert abs(traced["flakes"] - 5000) < 430
+    assert list(traced["sparkles"] > 0) == [False, False, True]
+    assert list(trace()["sparkles"] > 0) == [True, False, False]
+    traced = trace(paint=both)
+    assert abs(traced["flakes"] - 15_000) < 740
+    assert list(traced["sparkles"] > 0) == [True, False, True]
+    assert traced["sparkles"].sum() == traced["count"].sum()
+    # Silver and a blue pearl.
+    assert traced["radiance"][:, 2].sum() > traced["radiance"][:, 0].sum()
+
+
 def test_a_seed_repeats_itself() -> None:
     assert np.array_equal(trace(seed=7)["radiance"], trace(seed=7)["radiance"])
     assert not np.array_equal(trace(seed=7)["radiance"], trace(seed=-8)["radiance"])

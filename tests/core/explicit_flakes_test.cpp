@@ -17,6 +17,7 @@
 
 #include "independent.h"
 #include "paint.h"
+#include "reference/optics.h"
 #include "scenes.h"
 #include "support.h"
 
@@ -246,6 +247,66 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
   pooled_radiance.expect_at_most(1.0 / 256, "all radiances");
 }
 
+// Two or three species, most of a coating of the library, under one light.
+TEST(ExplicitFlakes, ModelHasTheCountsAndRadiancesOfSeveralSpecies) {
+  Random random(103);
+  Comparisons comparisons;
+  for (int k = 0; k < 60 / kFewer;) {
+    ModelScene made = random_model_scene(random, 1.0 / 32, 1.0 / 16, 0.05);
+    TestScene& s = made.scene;
+    Paint& paint = s.paint;
+    if (random.below(2) == 0) {
+      paint.coating = static_cast<CoatingKind>(1 + random.below(kCoatingKinds - 1));
+      paint.coating_nm = random.uniform(0, 200);
+    }
+    const int used = 1 + random.below(3);  // of `more`: the first, the second or both
+    for (int i = 0; i < 2; ++i) {
+      if ((used >> i & 1) == 0) continue;
+      // The cone stays narrow against the tilt.
+      const double tilt = std::min(paint.tilt * random.log_uniform(1, 3), 0.6);
+      FlakeSpecies& more = paint.more[static_cast<std::size_t>(i)];
+      more = library_species(random, 1, tilt);
+      more.flake_spread = paint.flake_spread;
+      more.flake_area_spread = random.uniform(0, 0.6);
+      more.flakes_per_mm2 = paint.flakes_per_mm2 * random.log_uniform(0.3, 3);
+      more.flake_diameter_um = paint.flake_diameter_um * random.uniform(0.5, 1.2);
+    }
+    const Layer<double> layer = s.layer<double>();
+    const auto mirror = mirror_between(s.normal, s.view, s.light, paint.binder_ior);
+    const Rgb<double> slant = exact_slant_depth(layer, mirror.g_view / paint.binder_ior) +
+                              exact_slant_depth(layer, mirror.g_light / paint.binder_ior);
+    if (slant.x > 6) continue;
+    double density = 0;
+    for (int i = 0; i < kSpecies; ++i) density += paint.species(i).flakes_per_mm2 * 1e6;
+    ExplicitScene scene = explicit_scene(s, random.bits());
+    scene.pixels = static_cast<std::size_t>(std::ceil(kFlakes / (density * s.footprint)));
+    const ExplicitResult traced = trace_explicit_flakes(scene);
+
+    const auto n = static_cast<double>(scene.pixels);
+    double radiance = 0;
+    bool of_many = true;
+    for (std::size_t i = 0; i < kSpecies; ++i) {
+      const auto expected = expect_sparkles(layer, s.point<double>(), s.seen<double>(), &slant, i);
+      radiance += mean_radiance(expected).y;
+      of_many = of_many && expected.slots == 0;
+      const double count = expected.mean_count * n;
+      if (made.cone == Cone::both) continue;
+      if (count == 0) {
+        EXPECT_EQ(traced.sparkles[i], 0);
+      } else if (count > 25) {
+        comparisons.see("count of species " + std::to_string(i),
+                        (traced.sparkles[i] - count) / std::sqrt(count), s);
+      }
+    }
+    if (!of_many) continue;
+    ++k;
+    const Moments m = moments(radiance, traced.radiance.size(),
+                              [&](std::size_t i) { return traced.radiance[i].y; });
+    comparisons.see("mean radiance", (m.mean() - m.centre) / m.error_of_mean(), s);
+  }
+  comparisons.expect_chance();
+}
+
 // Up to twice the tilt, where the model rounds the ellipse of normals to a disc of its solid angle
 // and takes T where the light's centre meets a flake.
 TEST(ExplicitFlakes, ModelIsWithinSomePerCentForWideCones) {
@@ -311,7 +372,10 @@ ExplicitScene level_scene(double theta_in, double coverage) {
 // above a point lies in the way to the observer, to the light, or in both, which are 2 d tan(theta)
 // apart; discs in the ways are a Poisson process: E[product of t] = exp(-integral of (1 - t) over
 // single and (1 - t^2) over double hits).
-double level_share(double coverage, double radius, double depth, double theta, double t) {
+struct Level {
+  double coverage, radius, t;
+};
+double level_share(const std::vector<Level>& species, double depth, double theta) {
   // Common area of two unit discs 2x apart, relative to one.
   const auto common = [](double x) {
     return x >= 1 ? 0 : 2 / kPi * (std::acos(x) - x * std::sqrt((1 - x) * (1 + x)));
@@ -319,8 +383,11 @@ double level_share(double coverage, double radius, double depth, double theta, d
   constexpr int kSteps = 20'000;
   double share = 0, dimming = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const double both = common((i + 0.5) / kSteps * depth * std::tan(theta) / radius);
-    const double step = coverage / kSteps * ((1 - t) * 2 * (1 - both) + (1 - t * t) * both);
+    double step = 0;
+    for (const auto& [coverage, radius, t] : species) {
+      const double both = common((i + 0.5) / kSteps * depth * std::tan(theta) / radius);
+      step += coverage / kSteps * ((1 - t) * 2 * (1 - both) + (1 - t * t) * both);
+    }
     share += std::exp(-(dimming + step / 2)) / kSteps;
     dimming += step;
   }
@@ -339,7 +406,8 @@ TEST(ExplicitFlakes, LevelDiscsHideEachOtherAsAPoissonProcessOfDiscs) {
         scene.paint.flake_color = scene.paint.flake_edge_color = grey(0.5);
         // Neighbours share what hides them: the scatter between separate patches is the error.
         constexpr std::size_t kPatches = 40;
-        const double exact = level_share(coverage, 10, scene.paint.layer_thickness_um, theta, t);
+        const double exact =
+            level_share({{coverage, 10, t}}, scene.paint.layer_thickness_um, theta);
         const Moments m = moments(exact, kPatches, [&](std::size_t) {
           scene.seed = random.bits();
           return trace_explicit_flakes(scene).mean_share.y;
@@ -349,6 +417,38 @@ TEST(ExplicitFlakes, LevelDiscsHideEachOtherAsAPoissonProcessOfDiscs) {
               << ", share " << m.mean() << " of " << exact << ", error " << m.error_of_mean();
         comparisons.see("share", (m.mean() - exact) / m.error_of_mean(), where.str());
       }
+    }
+  }
+  comparisons.expect_chance();
+}
+
+// Level discs of two sizes, metal and pearl: what hides is both, each letting through what its
+// coating does at the angle of the ways, and the two dimmings multiply for every sparkle alike.
+TEST(ExplicitFlakes, LevelDiscsOfTwoSpeciesHideEachOther) {
+  Random random(104);
+  Comparisons comparisons;
+  for (double theta : {0.1, 0.6}) {
+    for (CoatingKind kind : {CoatingKind::tio2_on_silica, CoatingKind::fe2o3_on_mica}) {
+      ExplicitScene scene = level_scene(theta, 0.7);
+      FlakeSpecies& pearl = scene.paint.more[1];
+      pearl = scene.paint;
+      pearl.coating = kind;
+      pearl.coating_nm = 85;
+      pearl.flake_diameter_um = 12;
+      pearl.flakes_per_mm2 = 1.1 / (kPi / 4 * 144e-6);
+      const double c = std::cos(theta);
+      const Rgb<double> t = reference::library_transmittance(kind, 85, c);
+      constexpr std::size_t kPatches = 40;
+      const double depth = scene.paint.layer_thickness_um;
+      const double exact = level_share({{0.7, 10, 0}, {1.1, 6, t.y}}, depth, theta);
+      const Moments m = moments(exact, kPatches, [&](std::size_t) {
+        scene.seed = random.bits();
+        return trace_explicit_flakes(scene).mean_share.y;
+      });
+      std::ostringstream where;
+      where << "angle " << theta << ", transmission " << t.y << ", share " << m.mean() << " of "
+            << exact << ", error " << m.error_of_mean();
+      comparisons.see("share", (m.mean() - exact) / m.error_of_mean(), where.str());
     }
   }
   comparisons.expect_chance();

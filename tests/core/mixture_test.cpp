@@ -67,26 +67,65 @@ Paint ordinary_paint(Random& random, bool lossless) {
   return paint;
 }
 
+// Likewise, of one to three species with coatings of the library.
+Paint library_paint(Random& random) {
+  Paint paint = ordinary_paint(random, false);
+  const int used = 1 + random.below(3);
+  const double coverage = random.log_uniform(0.05, 5) / used;
+  const auto species = [&] {
+    return library_species(random, coverage * random.uniform(0.5, 1.5),
+                           random.log_uniform(0.02, 0.6));
+  };
+  static_cast<FlakeSpecies&>(paint) = species();
+  for (int i = 1; i < used; ++i) paint.more[static_cast<std::size_t>(i - 1)] = species();
+  return paint;
+}
+
+// r_s + E + M - 1 over a white substrate.
+void see_furnace(Worst& worst, const Paint& paint, double cos_view) {
+  const Rgb<double> e = single_scattering(paint, cos_view);
+  const Rgb<double> m = albedo_of<double>(paint, grey(1.0), cos_view);
+  const Rgb<double> all = grey(surface_of(paint, cos_view)) + e + m;
+  TestScene scene;
+  scene.paint = paint;
+  for (double x : {all.x, all.y, all.z}) worst.see(std::fabs(x - 1), "cos view", cos_view, scene);
+}
+
 TEST(Mixture, ALosslessPaintReflectsEverything) {
   Random random(90);
   Worst worst;
   for (int i = 0; i < 100 / std::min(kFewer, 4); ++i) {
     const Paint paint = ordinary_paint(random, true);
-    const double cos_view = i % 4 == 0 ? 1 : random.uniform(0.05, 1);
-    const Rgb<double> e = single_scattering(paint, cos_view);
-    const Rgb<double> m = albedo_of<double>(paint, grey(1.0), cos_view);
-    const Rgb<double> all = grey(surface_of(paint, cos_view)) + e + m;
-    TestScene scene;
-    scene.paint = paint;
-    for (double x : {all.x, all.y, all.z}) {
-      worst.see(std::fabs(x - 1), "cos view", cos_view, scene);
-    }
+    see_furnace(worst, paint, i % 4 == 0 ? 1 : random.uniform(0.05, 1));
   }
-  worst.expect_at_most(0.005, "furnace");
+  worst.expect_at_most(0.01, "furnace");
 }
 
-TEST(Mixture, OfOrdinaryPaintsIsThatOfTheRandomWalk) {
-  Random random(91);
+// Titania on mica, and on silica, where what a pearl lets through changes faster with the angle
+// than the one direction sees that stands for all that leave.
+TEST(Mixture, ALosslessPearlReflectsEverything) {
+  Random random(95);
+  Worst mica, silica;
+  for (int i = 0; i < 90 / std::min(kFewer, 4); ++i) {
+    Paint paint = library_paint(random);
+    paint.binder_absorption_per_mm = {};
+    const bool on_mica = i % 2 == 0;
+    const auto pearl = [&](FlakeSpecies& flakes) {
+      flakes.coating = on_mica                ? CoatingKind::tio2_on_mica
+                       : random.below(2) == 0 ? CoatingKind::tio2_on_silica
+                                              : CoatingKind::tio2_on_thin_silica;
+    };
+    pearl(paint);
+    for (FlakeSpecies& more : paint.more) pearl(more);
+    see_furnace(on_mica ? mica : silica, paint, i % 3 == 0 ? 1 : random.uniform(0.05, 1));
+  }
+  mica.expect_at_most(0.01, "mica");
+  silica.expect_at_most(0.08, "silica");
+}
+
+template <class MakePaint>
+void expect_the_walk(std::uint64_t seed, const MakePaint& make_paint) {
+  Random random(seed);
   Worst worst;
   double sum = 0;
   int n = 0;
@@ -94,7 +133,7 @@ TEST(Mixture, OfOrdinaryPaintsIsThatOfTheRandomWalk) {
   // Three colours each; what the walk's own error may add.
   const double threshold = sidak_threshold(kLevel, 3.0 * paints);
   for (int i = 0; i < paints; ++i) {
-    const Paint paint = ordinary_paint(random, false);
+    const Paint paint = make_paint(random);
     const double cos_view = i % 4 == 0 ? 1 : random.uniform(0.08, 1);
     reference::WalkScene scene;
     scene.paint = paint;
@@ -119,7 +158,15 @@ TEST(Mixture, OfOrdinaryPaintsIsThatOfTheRandomWalk) {
   }
   worst.expect_at_most(0.03, "largest");
   EXPECT_LE(sum / n, 0.003) << "mean error";
-  RecordProperty("mean_error", std::to_string(sum / n));
+  ::testing::Test::RecordProperty("mean_error", std::to_string(sum / n));
+}
+
+TEST(Mixture, OfOrdinaryPaintsIsThatOfTheRandomWalk) {
+  expect_the_walk(91, [](Random& random) { return ordinary_paint(random, false); });
+}
+
+TEST(Mixture, OfSeveralSpeciesOfTheLibraryIsThatOfTheRandomWalk) {
+  expect_the_walk(96, library_paint);
 }
 
 // Half of the flakes twice are all of them.

@@ -19,6 +19,7 @@
 
 #include "independent.h"
 #include "quadrature.h"
+#include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
 
@@ -124,6 +125,40 @@ TEST(RandomWalk, LosesNothingInAWhiteFurnace) {
   }
   // Each photon keeps its weight but for the rounding of hundreds of multiplications.
   worst.expect_at_most(1e-12);
+}
+
+// Titania on mica and on silica, and a third that is neither: R + T = 1 at every angle. Which way a
+// photon goes is drawn so that the sum over its colours stays; each colour does so on average.
+TEST(RandomWalk, LosesNothingBetweenPearls) {
+  Random random(12);
+  Worst sums, colours;
+  const int scenes = 24;
+  for (int k = 0; k < scenes; ++k) {
+    WalkScene scene;
+    scene.paint =
+        lossless(static_cast<Orientation>(k % 3), 0.15, random.uniform(1, 2), k % 4 == 0 ? 0.3 : 0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      auto& pearl = scene.paint.more[i];
+      pearl = library_species(random, random.log_uniform(0.1, 3), random.log_uniform(0.03, 0.5));
+      pearl.coating =
+          static_cast<metallic_paint::CoatingKind>(metallic_paint::kFirstPearl + random.below(3));
+    }
+    // Two species or three, in any places.
+    if (k % 3 == 0) scene.paint.more[0].flakes_per_mm2 = 0;
+    if (k % 3 == 1) scene.paint.flakes_per_mm2 = 0;
+    scene.substrate = grey(1.0);
+    scene.light = direction(random.uniform(0, 85));
+    scene.photons = 10'000;
+    scene.seed = static_cast<std::uint64_t>(k);
+    const WalkResult result = walk_reference::walk(scene);
+    EXPECT_EQ(result.truncated_walks, 0U);
+    const Rgb<double> all = result.albedo.total.mean + grey(result.specular);
+    sums.see(std::abs(all.x + all.y + all.z - 3), "scene", k);
+    sums.see(max_component(result.absorbed.mean), "scene", k);
+    see(colours, all, result.albedo.total.error, grey(1.0), text(scene.paint));
+  }
+  sums.expect_at_most(1e-11, "sums");
+  colours.expect_at_most(student_threshold(3 * scenes), "colours");
 }
 
 // Integral of BRDF cos over the hemisphere, the light's weights being those of next-event
@@ -351,6 +386,87 @@ TEST(RandomWalk, SingleScatteringIsTheCoresFlakeBrdf) {
   }
   flakes.expect_at_most(student_threshold(2 * 3 * scenes * detectors), "flakes");
   direct.expect_at_most(student_threshold(2 * 3 * scenes * detectors), "substrate");
+}
+
+// Two or three species with coatings of the library. The core's optical depth lets four flakes
+// stand for all that a ray meets; `exact` has all of them in its place, and the core itself is
+// within what that does to (1 - e^-x)/x, whose logarithm has a slope of 1/2 at most.
+TEST(RandomWalk, SingleScatteringOfSeveralSpeciesIsTheCoresFlakeBrdf) {
+  using metallic_paint::CoatingKind;
+  Worst exact, core;
+  Random random(13);
+  const int scenes = 40, detectors = 3;
+  for (int k = 0; k < scenes; ++k) {
+    WalkScene scene;
+    Paint& paint = scene.paint;
+    const auto tilt = [&] { return random.log_uniform(0.04, 0.5); };
+    const auto coverage = [&] { return random.log_uniform(0.1, 1.5); };
+    for (auto& more : paint.more) more = library_species(random, coverage(), tilt());
+    static_cast<metallic_paint::FlakeSpecies&>(paint) = library_species(random, coverage(), tilt());
+    if (k % 2 == 0) {
+      paint.coating = CoatingKind::colors;
+      paint.flake_color = {0.3, 0.6, 0.8};
+      paint.flake_edge_color = {0.5, 0.7, 0.8};
+      paint.flake_transmission = {0.5, 0.3, 0.1};
+    }
+    if (k % 3 == 0) paint.more[k % 2 == 0 ? 0 : 1].flakes_per_mm2 = 0;
+    paint.binder_ior = random.uniform(1.41, 2);  // cosines from 0.7 in the binder
+    paint.binder_absorption_per_mm = {0, 10, 30};
+    paint.rayleigh_per_mm = k % 4 == 0 ? 1 : 0;
+    scene.substrate = {};
+    const double eta = paint.binder_ior;
+    scene.light = direction(random.uniform(0, 80), random.uniform(0, 2 * kPi));
+    const Vec3<double> l{scene.light.x / eta, scene.light.y / eta, refracted(scene.light.z, eta)};
+    while (scene.detectors.size() < detectors) {
+      const auto species = static_cast<int>(scene.detectors.size());
+      const Vec3<double> n =
+          direction(random.uniform(0, 2 * paint.species(species).tilt) * 180 / kPi,
+                    random.uniform(0, 2 * kPi));
+      const Vec3<double> v = n * (2 * dot(n, l)) - l;
+      const double sine = eta * std::hypot(v.x, v.y);
+      if (v.z <= 0 || sine > 0.98) continue;
+      scene.detectors.push_back({eta * v.x, eta * v.y, std::sqrt(1 - sine * sine)});
+    }
+    scene.photons = 20'000;
+    scene.seed = static_cast<std::uint64_t>(k);
+    const WalkResult result = walk_reference::walk(scene);
+
+    const auto layer = metallic_paint::make_layer<double>(paint);
+    const auto mean = [](Rgb<double> x) {
+      return map(x, [](double d) { return d > 0 ? -std::expm1(-d) / d : 1; });
+    };
+    for (std::size_t i = 0; i < detectors; ++i) {
+      const Vec3<double> view = scene.detectors[i];
+      const double cosines[2] = {refracted(view.z, eta), l.z};
+      Rgb<double> depth{}, closed{};
+      double slack = 0;
+      for (double cosine : cosines) {
+        depth = depth + exact_slant_depth(layer, cosine);
+        closed = closed + metallic_paint::slant_depth_of(layer, cosine);
+        for (int s = 0; s < metallic_paint::kSpecies; ++s) {
+          const auto& flakes = layer.flakes[static_cast<std::size_t>(s)];
+          const auto kind = flakes.coating.kind;
+          if (!metallic_paint::is_clear(kind)) continue;
+          const bool mica = kind == CoatingKind::tio2_on_mica || kind == CoatingKind::fe2o3_on_mica;
+          const bool narrow = flakes.orientation.tilt <= 0.2;
+          const double error = mica ? (narrow ? 0.008 : 0.03) : (narrow ? 0.04 : 0.1);
+          slack += flakes.coverage * error / cosine / 2;
+        }
+      }
+      const Rgb<double> brdf = metallic_paint::flake_brdf(layer, {0, 0, 1}, view, scene.light);
+      const Rgb<double> expected =
+          brdf * mean(depth) * map(mean(closed), [](double x) { return 1 / x; });
+      const Estimate& flake = result.brdf[i].part[walk_reference::single_flake];
+      see(exact, flake.mean, flake.error, expected, text(paint));
+      for (int c = 0; c < 3; ++c) {
+        core.see(
+            std::abs(std::log(channel(expected, c) / channel(brdf, c))) / std::max(slack, 1e-12),
+            "scene", k, "detector", i, "slack", slack);
+      }
+    }
+  }
+  exact.expect_at_most(student_threshold(3 * scenes * detectors), "exact");
+  core.expect_at_most(1, "core");  // in units of the stated error
 }
 
 // f = s phase (1 - e^-t)/t T T'/(eta^2 c c') of single scattering, s the depth of the layer. More

@@ -98,6 +98,33 @@ inline Paint random_paint(Random& random) {
   return paint;
 }
 
+// Flakes of any coating of the library, `coverage` of them.
+inline FlakeSpecies library_species(Random& random, double coverage, double tilt) {
+  FlakeSpecies flakes;
+  flakes.flake_diameter_um = random.log_uniform(5, 40);
+  flakes.flake_area_spread = 0;
+  flakes.flakes_per_mm2 =
+      coverage * 4e6 / (std::numbers::pi * flakes.flake_diameter_um * flakes.flake_diameter_um);
+  flakes.orientation = static_cast<Orientation>(random.below(3));
+  flakes.tilt = tilt;
+  flakes.coating = static_cast<CoatingKind>(1 + random.below(kCoatingKinds - 1));
+  flakes.coating_nm = random.uniform(0, 200);
+  return flakes;
+}
+
+// The layer's optical depth along a direction of the cosine cos_in in the binder, where the core's
+// own takes four flakes for all that a ray meets.
+inline Rgb<double> exact_slant_depth(const Layer<double>& layer, double cos_in) {
+  Rgb<double> blocking{};
+  for (int i = 0; i < layer.species; ++i) {
+    const Flakes<double>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    const Rgb<double> blocked = grey(mean_projected_area(flakes.orientation, cos_in)) -
+                                mean_transmitted_area(flakes.orientation, flakes.coating, cos_in);
+    blocking = blocking + blocked * flakes.coverage;
+  }
+  return slant_depth(blocking, layer.binder_depth, cos_in);
+}
+
 inline Vec3<double> spherical(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
