@@ -87,8 +87,10 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     overridden = any(layer.material_override for layer in layers)
     if bounces > 0 and (len(shapes) > 1 or overridden):
         yield "their neighbours"
-    elif bounces > 0 and not all(_sees_nothing_of_itself(shape, lamps) for shape in shapes):
-        yield "the paint itself"
+    elif bounces > 0:
+        sparkling = [lamp for lamp in lamps if lamp.name in report.slots]
+        if not all(_sees_nothing_of_itself(shape, sparkling) for shape in shapes):
+            yield "the paint itself"
 
 
 # --- the world -------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-import blender_env  # noqa: E402
+import blender_env
 
 blender_env.prepare()
 
@@ -32,7 +32,7 @@ import bars  # noqa: E402
 import bpy  # noqa: E402
 import verify_scenes  # noqa: E402
 from metallic_paint import lights, material, shader, verify  # noqa: E402
-from metallic_paint.paint import Flakes, Paint  # noqa: E402
+from metallic_paint.paint import Paint  # noqa: E402
 
 FEW, MANY = 4, 64  # samples
 LIMIT = 1.03
@@ -74,8 +74,7 @@ def one_slot(text: str) -> str:
     text = cut("      for (int j = 0; j < lights; ++j) {", "      color radiance")(text)
     text = cut("  float reach = angular_radius(seen[group]);\n  for", "  return reach",
                "  float reach = angular_radius(seen[group]);\n")(text)  # fmt: skip
-    text = re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
-    return replace("for (int i = 0; i < lights; ++i)", "for (int i = 0; i < min(lights, 1); ++i)")(text)
+    return re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
 
 
 def no_library(text: str) -> str:
@@ -134,12 +133,12 @@ class Bench:
         self.pixels = size * size
         lights.show_other_light(False)
 
-    def painted(self, edit: Text = str, paint: Paint = Paint(), other: bool = False) -> Variant:
+    def painted(self, edit: Text = str) -> Variant:
         """A paint whose shader has the edited text."""
         whole = shader.source
         shader.source = lambda: edit(whole())
         try:
-            return Variant(material.create(paint))
+            return Variant(material.create(Paint()))
         finally:
             shader.source = whole
 
@@ -173,7 +172,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repetitions", type=int, default=6)
     parser.add_argument("--size", type=int, default=128, help="pixels along each side of a picture")
-    parser.add_argument("--only", default="", metavar="TEXT", help="only parts with TEXT in the name")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only parts with it in the name")
     parser.add_argument("--json", type=Path, help="the report")
     arguments = parser.parse_args()
     bench = Bench(arguments.size)
