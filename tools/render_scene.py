@@ -26,7 +26,7 @@ import blender_env
 import bpy
 import numpy as np
 import OpenImageIO
-from metallic_paint import lights, material, presets
+from metallic_paint import material, needs, presets
 from metallic_paint.paint import Paint
 
 SUFFIXES = (".exr", ".png")
@@ -259,7 +259,7 @@ def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
 
 def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
-    report = lights.fill(scene)
+    report = needs.fit(scene)
     for layer in scene.view_layers:
         layer.use_pass_material_index = True
     start = time.monotonic()

@@ -6,6 +6,7 @@ presets.py   paints as files
 shader.py    the OSL text, and its compilation into a script node
 material.py  the node group and the material around the shader
 lights.py    the lights that sparkle, fed to every paint of the file by drivers
+needs.py     what a scene requires of its paints; the rest is left out
 
 Nothing is registered yet: the interface comes with the extension.
 """

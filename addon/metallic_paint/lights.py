@@ -22,9 +22,10 @@ import bpy
 from mathutils import Matrix, Vector
 
 NAME = "Metallic Paint Lights"
-VERSION = 1
+VERSION = 2
 SLOTS = 8
 METERS_PER_UNIT = "MetersPerUnit"
+OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
 
 PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
 _KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
@@ -46,7 +47,7 @@ class Report:
         lines = [f"light {i}: {name}" for i, name in enumerate(self.slots, 1)]
         lines += [f"no sparkles from {name}: {why}" for name, why in self.left_out.items()]
         lines += [f"paints linked from {path} do not see these lights" for path in self.read_only]
-        return "\n".join(lines) or "no lights that sparkle"
+        return "\n".join(lines)
 
 
 def slot_names(slot: int) -> tuple[str, str, str]:
@@ -65,6 +66,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
 def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 
+    needs.fit calls it, and finds out whether there is other light; here the flakes are to show it.
     Suns, point and spot lights that render take part. Of more than 8, those stay that send the
     greatest irradiance to any painted object, not counting shadows, light linking, and nodes of
     the light. The slots are ordered by name, so a light's sparkles do not change when another
@@ -95,6 +97,11 @@ def fill(scene: bpy.types.Scene) -> Report:
     return Report(tuple(light.name for light in lights), left_out, _linked_files())
 
 
+def show_other_light(needed: bool) -> None:
+    """Whether the flakes show light from elsewhere than the slots, until the next fill."""
+    node_group().nodes[OTHER_LIGHT].outputs[0].default_value = float(needed)
+
+
 def values() -> list[tuple[float, Vector, float]]:
     """Kind, vector and size of the slots in use, as they stand."""
     group = node_group()
@@ -117,6 +124,7 @@ def _new_group() -> bpy.types.ShaderNodeTree:
         _add_output(group, out, vector, "ShaderNodeCombineXYZ", "NodeSocketVector")
         _add_output(group, out, size, "ShaderNodeValue", "NodeSocketFloat")
     _add_output(group, out, METERS_PER_UNIT, "ShaderNodeValue", "NodeSocketFloat")
+    _add_output(group, out, OTHER_LIGHT, "ShaderNodeValue", "NodeSocketFloat")
     _clear(group)
     return group
 
@@ -132,12 +140,13 @@ def _add_output(
 
 
 def _clear(group: bpy.types.ShaderNodeTree) -> None:
-    """Every slot unused and without drivers; the scene's unit a metre."""
+    """Every slot unused and without drivers; the scene's unit a metre; other light unknown."""
     group.animation_data_clear()
     for slot in range(1, SLOTS + 1):
         for socket in _inputs(group, slot):
             socket.default_value = 0
-    group.nodes[METERS_PER_UNIT].outputs[0].default_value = 1
+    for name in (METERS_PER_UNIT, OTHER_LIGHT):
+        group.nodes[name].outputs[0].default_value = 1
 
 
 def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSocket]:
@@ -205,8 +214,8 @@ def _drive(
 # --- which lights ------------------------------------------------------------------------------
 
 
-def _rendered(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
-    """The objects of a view layer that a render shows."""
+def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.types.Object]:
+    """The objects of a view layer that a render shows; with `ever`, those too that may appear."""
     collections = [layer.layer_collection]
     while collections:
         current = collections.pop()
@@ -214,7 +223,7 @@ def _rendered(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
             continue
         collections.extend(current.children)
         for thing in current.collection.objects:
-            if not thing.hide_render:
+            if not thing.hide_render or (ever and thing.animation_data):
                 yield thing
 
 
@@ -222,7 +231,7 @@ def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object
     return {
         light: light.evaluated_get(layer.depsgraph).matrix_world.copy()
         for layer in layers
-        for light in _rendered(layer)
+        for light in rendered(layer)
         if light.type == "LIGHT"
     }
 
@@ -275,7 +284,7 @@ def _painted_boxes(layers: list[bpy.types.ViewLayer]) -> list[_Box]:
             if thing.type == "MESH" and not thing.original.hide_render:
                 box = _box(thing, instance.matrix_world.copy())
                 meshes.append(box)
-                if any(map(_is_paint, thing.material_slots)):
+                if is_painted(thing):
                     painted.append(box)
     return painted or meshes or [_Box(Matrix(), Vector(), Vector())]
 
@@ -285,8 +294,9 @@ def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
     return _Box(matrix, low, high)
 
 
-def _is_paint(slot: bpy.types.MaterialSlot) -> bool:
-    return slot.material is not None and _holds_slots(slot.material.node_tree)
+def is_painted(thing: bpy.types.Object) -> bool:
+    materials = [slot.material for slot in thing.material_slots if slot.material]
+    return any(_holds_slots(each.node_tree) for each in materials)
 
 
 def _holds_slots(tree: bpy.types.NodeTree | None) -> bool:

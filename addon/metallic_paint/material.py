@@ -82,12 +82,6 @@ _EXTRAS = {
     "DiagnosticSpecies": _Extra(
         "Diagnostic Species", DIAGNOSTICS, 1, 3, 1, "The flake species whose count to show",
     ),
-    "OtherLight": _Extra(
-        "Other Light", SPARKLE, 0, 1, 1,
-        "1: the flakes also show the world, area lights and their surroundings. 0: there is no "
-        "other light than the sun, spots and points in the slots, and nothing is computed for it. "
-        "What lies right behind such a lamp, seen from the paint, is left out",
-    ),
 }  # fmt: skip
 
 
@@ -122,9 +116,22 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
     """The material's paint node, at the top level of its tree."""
     for node in material.node_tree.nodes if material.node_tree else ():
-        if node.type == "GROUP" and node.node_tree and _MARK in node.node_tree:
+        if is_paint(node):
             return node
     raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+
+
+def is_paint(node: bpy.types.Node) -> bool:
+    return node.type == "GROUP" and node.node_tree is not None and _MARK in node.node_tree
+
+
+def is_pure(material: bpy.types.Material) -> bool:
+    """Whether the material is the paint and no more: opaque, undisplaced, without a volume."""
+    out = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
+    if out is None or out.inputs["Volume"].is_linked or out.inputs["Displacement"].is_linked:
+        return False
+    sources = [link.from_node for link in out.inputs["Surface"].links]
+    return bool(sources) and all(is_paint(node) and not node.mute for node in sources)
 
 
 def assign(thing: bpy.types.Object, material: bpy.types.Material) -> None:
@@ -183,7 +190,7 @@ def _script_node(group: bpy.types.ShaderNodeTree, source: str) -> bpy.types.Shad
 
 def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected = {parameter.shader for parameter in PARAMETERS.values()}
-    expected |= {*_EXTRAS, *_NORMALS, lights.METERS_PER_UNIT}
+    expected |= {*_EXTRAS, *_NORMALS, lights.METERS_PER_UNIT, lights.OTHER_LIGHT}
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
     expected |= {OUTPUT, SHOWN}
@@ -291,7 +298,7 @@ def _wire_lights(
     script_inputs: dict[str, bpy.types.NodeSocket],
     inside: bpy.types.Node,
 ) -> None:
-    """The lights, and how long a unit of the scene is: the scene's, so shared by all paints."""
+    """The lights, other light, and the length of a unit: the scene's, so shared by all paints."""
     shared = group.nodes.new("ShaderNodeGroup")
     shared.node_tree = lights.node_group()
     shared.name = shared.label = lights.NAME

@@ -42,7 +42,7 @@ def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
     parameters = ["int Frame = 0", "int Diagnostic = 0", "int DiagnosticLight = 0",
-                  "int DiagnosticSpecies = 0", "int OtherLight = 0", "float MetersPerUnit = 1",
+                  "int DiagnosticSpecies = 0", "float OtherLight = 0", "float MetersPerUnit = 1",
                   "normal Normal = N", "normal CoatNormal = Normal"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
         default = shader_value(parameter, value_of(paint, name))

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fits the paints to the scene: what it does not require is not computed.
+
+A sample of the flakes' mean under other light than the slots' costs a shader and a ray. It is left
+out only where there surely is no such light: what is not known counts as light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from . import lights, material
+
+# Rendered objects that neither reflect nor emit, unless they are instancers.
+_NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
+# Nodes with a shader output that do not emit. Groups and scripts are not among them.
+_DARK_NODES = {
+    "ADD_SHADER", "BSDF_DIFFUSE", "BSDF_GLASS", "BSDF_GLOSSY", "BSDF_HAIR", "BSDF_HAIR_PRINCIPLED",
+    "BSDF_METALLIC", "BSDF_RAY_PORTAL", "BSDF_REFRACTION", "BSDF_SHEEN", "BSDF_TOON",
+    "BSDF_TRANSLUCENT", "BSDF_TRANSPARENT", "HOLDOUT", "MIX_SHADER", "SUBSURFACE_SCATTERING",
+}  # fmt: skip
+
+_MOST_TRIANGLES = 10_000  # of a mesh that is tested for convexity, which takes a second then
+_TRIANGLES_AT_ONCE = 500
+# What a face sees within this angle above its horizon is less than its square of all that it sees.
+_HORIZON = 1e-3
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What the paints of a scene compute, and what they leave out."""
+
+    lights: lights.Report
+    other_light: tuple[str, ...]  # what lights the flakes beside the slots, in words; () for none
+
+    def __str__(self) -> str:
+        slots, without = len(self.lights.slots), len(self.lights.left_out)
+        lines = str(self.lights).splitlines()
+        if not slots:
+            lines.append("No sparkles are computed: no sun, spot or point light renders.")
+        elif without:
+            verb = "lights" if without == 1 else "light"
+            lines.append(f"{slots + without} lights: {slots} sparkle, {without} {verb} the mean.")
+        if self.other_light:
+            *most, last = self.other_light
+            shown = f"{', '.join(most)} and {last}" if most else last
+            lines.append(f"The flakes also show {shown}.")
+        else:
+            lines.append(
+                "The flakes show no world, other lights or neighbours: the scene has none."
+            )
+        return "\n".join(lines)
+
+
+def fit(scene: bpy.types.Scene) -> Needs:
+    """Fills the light slots and leaves out what the scene does not require.
+
+    Call it again when lights, objects, or materials that emit come, go or change type, when a mesh,
+    the world or the number of bounces changes, and when a lamp moves into a painted object.
+    """
+    report = lights.fill(scene)
+    needs = Needs(report, tuple(_other_light(scene, report)))
+    lights.show_other_light(bool(needs.other_light))
+    return needs
+
+
+def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]:
+    layers = [layer for layer in scene.view_layers if layer.use]
+    things = {thing: None for layer in layers for thing in lights.rendered(layer, ever=True)}
+    shapes = [thing for thing in things if thing.type not in _NO_SHAPES or _is_instancer(thing)]
+    if not any(map(lights.is_painted, shapes)):
+        yield "whatever there is: no object is painted yet"
+    if _world_may_shine(scene) or any(getattr(each, "world_override", None) for each in layers):
+        yield "the world"
+    lamps = [thing for thing in things if thing.type == "LIGHT"]
+    if report.left_out or any(lamp.name not in report.slots for lamp in lamps):
+        yield "lights without a slot"
+    if any(map(_may_emit, shapes)):
+        yield "objects that may emit"
+    if any(map(_may_hold_a_volume, shapes)):
+        yield "volumes"
+    bounces = min(scene.cycles.max_bounces, scene.cycles.glossy_bounces)
+    overridden = any(layer.material_override for layer in layers)
+    if bounces > 0 and (len(shapes) > 1 or overridden):
+        yield "their neighbours"
+    elif bounces > 0:
+        sparkling = [lamp for lamp in lamps if lamp.name in report.slots]
+        if not all(_sees_nothing_of_itself(shape, sparkling) for shape in shapes):
+            yield "the paint itself"
+
+
+# --- the world -------------------------------------------------------------------------------
+
+
+def _world_may_shine(scene: bpy.types.Scene) -> bool:
+    world = scene.world
+    if world is None:
+        return False
+    tree = world.node_tree
+    if world.animation_data or (tree and tree.animation_data):
+        return True
+    if not world.use_nodes or tree is None:  # Blender 4.5
+        return any(world.color)
+    out = tree.get_output_node("CYCLES")
+    if out is None:
+        return False
+    if out.inputs["Volume"].is_linked:
+        return True
+    links = out.inputs["Surface"].links
+    return any(_may_shine(link.from_node, "Color", "Strength") for link in links)
+
+
+def _may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
+    """Of an emission, background or principled node: unless colour or strength are surely zero."""
+    if node.type not in ("BACKGROUND", "EMISSION", "BSDF_PRINCIPLED") or node.mute:
+        return True
+    sockets = node.inputs[color], node.inputs[strength]
+    return not any(
+        not socket.is_linked and not np.any(np.ravel(socket.default_value)[:3])
+        for socket in sockets
+    )
+
+
+# --- objects ---------------------------------------------------------------------------------
+
+
+def _is_instancer(thing: bpy.types.Object) -> bool:
+    return thing.instance_type != "NONE"
+
+
+def _materials(thing: bpy.types.Object) -> list[bpy.types.Material]:
+    return [slot.material for slot in thing.material_slots if slot.material]
+
+
+def _makes_more(thing: bpy.types.Object) -> bool:
+    """Whether it brings along objects or materials that it does not show here."""
+    return _is_instancer(thing) or any(
+        modifier.type in ("NODES", "PARTICLE_SYSTEM") for modifier in thing.modifiers
+    )
+
+
+def _may_emit(thing: bpy.types.Object) -> bool:
+    return _makes_more(thing) or any(map(_material_may_emit, _materials(thing)))
+
+
+def _material_may_emit(painted: bpy.types.Material) -> bool:
+    tree = painted.node_tree
+    if tree is None or material.is_pure(painted):
+        return False
+    if painted.animation_data or tree.animation_data:
+        return True
+    return any(map(_node_may_emit, tree.nodes))
+
+
+def _node_may_emit(node: bpy.types.Node) -> bool:
+    if not any(socket.type == "SHADER" for socket in node.outputs) or node.type in _DARK_NODES:
+        return False
+    if node.type == "GROUP" and material.is_paint(node):
+        return False
+    if node.type == "BSDF_PRINCIPLED":
+        return _may_shine(node, "Emission Color", "Emission Strength")
+    return _may_shine(node, "Color", "Strength") if node.type == "EMISSION" else True
+
+
+def _may_hold_a_volume(thing: bpy.types.Object) -> bool:
+    if thing.type == "VOLUME" or _makes_more(thing):
+        return True
+    trees = [each.node_tree for each in _materials(thing) if each.node_tree]
+    outputs = [node for tree in trees for node in tree.nodes if node.type == "OUTPUT_MATERIAL"]
+    return any(node.inputs["Volume"].is_linked for node in outputs)
+
+
+# --- what a painted object sees of itself ----------------------------------------------------
+
+
+def _sees_nothing_of_itself(thing: bpy.types.Object, lamps: list[bpy.types.Object]) -> bool:
+    """Of an opaque object whose rendered mesh is known: flat, or convex and dark inside."""
+    paints = _materials(thing)
+    opaque = len(paints) == len(thing.material_slots) > 0 and all(map(material.is_pure, paints))
+    known = thing.type == "MESH" and not thing.modifiers and not thing.data.shape_keys
+    if not opaque or not known or _is_instancer(thing):
+        return False
+    surface = _surface(thing)
+    if surface is None or not surface.is_below(1):
+        return False
+    if surface.is_closed:
+        return thing.visible_shadow and all(_stays_outside(lamp, surface) for lamp in lamps)
+    return surface.is_below(-1)
+
+
+@dataclass(frozen=True)
+class _Surface:
+    """The triangles of an object in the world. If it is closed, their normals point outwards."""
+
+    corners: np.ndarray  # (n, 3 corners, xyz)
+    normals: np.ndarray  # (n, xyz)
+    vertices: np.ndarray  # (m, xyz)
+    is_closed: bool
+
+    def is_below(self, sign: int) -> bool:
+        """Whether no vertex stands above the horizon of a triangle, on its front or back (-1)."""
+        rounding = 1e-7 * np.ptp(self.vertices, axis=0).max(initial=0)  # of single precision
+        for i in range(0, len(self.normals), _TRIANGLES_AT_ONCE):
+            some = slice(i, i + _TRIANGLES_AT_ONCE)
+            heights = sign * self.heights(self.vertices, some)
+            vertex, triangle = np.nonzero(heights > rounding)
+            apart = self.vertices[vertex, None] - self.corners[some][triangle]
+            nearest = np.linalg.norm(apart, axis=-1).min(axis=-1, initial=np.inf)
+            if (heights[vertex, triangle] > _HORIZON * nearest).any():
+                return False
+        return True
+
+    def heights(self, places: np.ndarray, some: slice = slice(None)) -> np.ndarray:
+        """(places, triangles): above the triangles' planes."""
+        normals, corners = self.normals[some], self.corners[some]
+        return places @ normals.T - (corners[:, 0] * normals).sum(axis=-1)
+
+
+def _surface(thing: bpy.types.Object) -> _Surface | None:
+    mesh = thing.data
+    mesh.calc_loop_triangles()
+    n = len(mesh.loop_triangles)
+    if n > _MOST_TRIANGLES:
+        return None
+    indices = np.empty(3 * n, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", indices)
+    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", places)
+    matrix = np.array(thing.matrix_world)
+    places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    indices = indices.reshape(-1, 3)
+
+    edges = np.sort(np.concatenate([indices[:, [i, (i + 1) % 3]] for i in range(3)]), axis=-1)
+    is_closed = bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
+    corners = places[indices]
+    a, b, c = np.moveaxis(corners - places.mean(axis=0), 1, 0)
+    volume = (np.cross(a, b) * c).sum()  # six times
+    normals = np.cross(b - a, c - a) * (-1 if volume < 0 else 1)
+    area = np.linalg.norm(normals, axis=-1)
+    seen = area > 0
+    normals = normals[seen] / area[seen, None]
+    return _Surface(corners[seen], normals, places[np.unique(indices)], is_closed)
+
+
+def _stays_outside(lamp: bpy.types.Object, surface: _Surface) -> bool:
+    """Whether no light of the lamp is inside the convex surface."""
+    linking = lamp.light_linking
+    if not lamp.data.use_shadow or linking.blocker_collection:
+        return False
+    if lamp.data.type == "SUN":
+        return True
+    place = np.array(lamp.matrix_world.translation)
+    return surface.heights(place[None]).max(initial=-np.inf) > lamp.data.shadow_soft_size
