@@ -72,8 +72,8 @@ py::dict explicit_flakes(const Paint& paint, py::handle view, py::handle light,
   all["count"] = counts;
   all["radiance"] = radiance;
   all["flakes"] = traced.flakes;
-  all["sparkles"] = py::array_t<double>(static_cast<py::ssize_t>(traced.sparkles.size()),
-                                        traced.sparkles.data());
+  all["sparkles"] =
+      py::array_t<double>(static_cast<py::ssize_t>(traced.sparkles.size()), traced.sparkles.data());
   all["mean_share"] = rgb(traced.mean_share);
   all["mean_square_share"] = rgb(traced.mean_square_share);
   return all;

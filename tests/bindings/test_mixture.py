@@ -10,8 +10,16 @@ import pytest
 NAN = float("nan")
 
 
-def test_it_is_what_the_random_walk_leaves_beside_single_flakes() -> None:
-    paint = core.Paint(flakes_per_mm2=5000, flake_color=(0.9, 0.6, 0.3), rayleigh_per_mm=0.2)
+PEARL = core.FlakeSpecies(flakes_per_mm2=2000, tilt=0.1, coating=9, coating_nm=90)
+METAL = core.FlakeSpecies(flakes_per_mm2=1000, tilt=0.3, coating=3)
+PAINTS = [
+    core.Paint(flakes_per_mm2=5000, flake_color=(0.9, 0.6, 0.3), rayleigh_per_mm=0.2),
+    core.Paint(flakes_per_mm2=1000, coating=12, coating_nm=60, more=[METAL, PEARL]),
+]
+
+
+@pytest.mark.parametrize("paint", PAINTS, ids=["one species", "three of the library"])
+def test_it_is_what_the_random_walk_leaves_beside_single_flakes(paint: core.Paint) -> None:
     substrate = (0.1, 0.5, 0.9)
     for cosine in (1.0, 0.3):
         light = [math.sqrt(1 - cosine * cosine), 0, cosine]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import verify_scenes
 from metallic_paint import verify
-from metallic_paint.paint import Paint, core_paint
+from metallic_paint.paint import Flakes, Paint, core_paint
 
 core = pytest.importorskip("metallic_paint_core")
 
@@ -146,6 +146,23 @@ def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> N
     view = view_of(probe)
     add_world(1.0)
     expect_equal(probe.image(verify.LOBE), albedo(PAINTS[k], view))
+
+
+@pytest.mark.parametrize("k", range(0, len(PAINTS), 2))
+def test_the_diffuse_lobe_has_the_cores_albedo(k: int) -> None:
+    paint = dataclasses.replace(
+        PAINTS[k],
+        coating=("colors", "aluminium", "tio2-on-mica", "fe2o3-on-silica")[k // 2 % 4],
+        second=dataclasses.replace(
+            Flakes(), flakes_per_mm2=500 * (k % 3), coating="tio2-on-silica"
+        ),
+        substrate_color=(0.1, 0.5, 0.9),
+    )
+    probe = scene_with(paint, elevation=(90, 60, 35, 20)[k % 4])
+    expected = core.mixture_albedo(core_paint(paint), (0.1, 0.5, 0.9), view_of(probe)[2])
+    shown = probe.image(verify.DIFFUSE).reshape(-1, 3)
+    # Rounding in float, which core/mixture.h's test holds to 2e-5, and of the view.
+    np.testing.assert_allclose(shown, np.broadcast_to(expected, shown.shape), rtol=0, atol=1e-4)
 
 
 @pytest.mark.parametrize("k", range(0, len(PAINTS), 4))
