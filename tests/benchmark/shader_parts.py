@@ -7,6 +7,10 @@ quiet machine, from a Python with bpy (build/env-3.11):
 
     build/env-3.11/bin/python tests/benchmark/shader_parts.py --repetitions 12
 
+Before the times stand the operations that OSL keeps of the shader once it has folded constants: a
+figure without noise. Where it is the same, the absent part is gone; otherwise it is still there,
+compiled but not run. --operations takes no times.
+
 Times are slopes: what 60 more samples take, of one thread, without the start of a render, in
 processor time. The variants alternate; the least time of each is the one that nothing disturbed.
 """
@@ -14,7 +18,9 @@ processor time. The variants alternate; the least time of each is the one that n
 from __future__ import annotations
 
 import argparse
+import os
 import re
+import subprocess
 import sys
 import time
 import traceback
@@ -36,6 +42,7 @@ from metallic_paint.paint import Paint  # noqa: E402
 
 FEW, MANY = 4, 64  # samples
 LIMIT = 1.03
+WHOLE = "the paint"
 
 Text = Callable[[str], str]
 
@@ -157,6 +164,27 @@ class Bench:
                     variant.least[samples] = min(taken, variant.least.get(samples, taken))
 
 
+def show_operations(name: str) -> None:
+    """Renders one sample of the variant, after which OSL prints its statistics."""
+    bench = Bench(8)
+    material.assign(bench.plane, bench.painted(cuts()[name]).material)
+    bpy.ops.render.render()
+
+
+def operations(name: str) -> int:
+    """That OSL keeps of the variant's shader, in a process of its own."""
+    ran = subprocess.run(
+        [sys.executable, __file__, "--show-operations", name],
+        env={**os.environ, "OSL_OPTIONS": "statistics:level=1"},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return int(re.search(r"Optimized \d+ ops to (\d+)", ran.stdout + ran.stderr)[1])
+
+
+def cuts() -> dict[str, Text]:
+    return {WHOLE: str, **PARTS, "all of these": everything}
+
+
 def principled() -> bpy.types.Material:
     made = bpy.data.materials.new("Principled")
     if made.node_tree is None:
@@ -173,37 +201,51 @@ def main() -> int:
     parser.add_argument("--repetitions", type=int, default=6)
     parser.add_argument("--size", type=int, default=128, help="pixels along each side of a picture")
     parser.add_argument("--only", default="", metavar="TEXT", help="only parts with it in the name")
+    parser.add_argument("--operations", action="store_true", help="count, without times")
     parser.add_argument("--json", type=Path, help="the report")
+    parser.add_argument("--show-operations", choices=cuts(), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
-    bench = Bench(arguments.size)
-    report = []
-
-    cuts = {name: edit for name, edit in {**PARTS, "all of these": everything}.items()
-            if arguments.only in name}  # fmt: skip
-    no_mixture = cut("  color diffused = mixture", "  if (TextureContrast",
-                     "  color diffused = substrate;\n")  # fmt: skip
-    whole = bench.painted()
-    without = {name: bench.painted(edit) for name, edit in cuts.items()}
-    others = {
-        "mixture (present; cut)": bench.painted(no_mixture),
-        "Principled, metallic, coat": Variant(principled()),
+    if arguments.show_operations:
+        show_operations(arguments.show_operations)
+        return 0
+    chosen = {
+        name: edit for name, edit in cuts().items() if arguments.only in name or name == WHOLE
     }
-    bench.race([whole, *without.values(), *others.values()], arguments.repetitions)
 
-    time_of_whole = whole.slope(bench.pixels)
-    print(f"the paint, one sun and no other light: {time_of_whole:.0f} ns per sample, "
-          f"start {whole.first:.2f} s")  # fmt: skip
-    print(f"{'part':<28}{'ns where cut':>14}{'paint over it':>15}{'start, s':>10}")
-    for name, variant in {**without, **others}.items():
-        taken = variant.slope(bench.pixels)
-        ratio = time_of_whole / taken
-        print(f"{name:<28}{taken:>14.0f}{ratio:>15.3f}{variant.first:>10.2f}")
-        if name in cuts:
-            title = f"{name}: time of the paint without it over time where it is cut from the text"
-            report.append(bars.at_most(title, ratio, LIMIT))
+    print(f"{'variant':<28}{'operations':>12}{'the paint over it':>19}")
+    kept = {}
+    for name in chosen:
+        kept[name] = operations(name)
+        ratio = kept[WHOLE] / kept[name]
+        print(f"{name:<28}{kept[name]:>12}{ratio:>19.3f}", flush=True)
+    report = []
+    if not arguments.operations:
+        report = race(chosen, arguments.size, arguments.repetitions)
     if arguments.json:
         bars.write(report, arguments.json)
     return 0 if all(bar.holds for bar in report) else 1
+
+
+def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]:
+    bench = Bench(size)
+    no_mixture = cut("  color diffused = mixture", "  if (TextureContrast",
+                     "  color diffused = substrate;\n")  # fmt: skip
+    variants = {name: bench.painted(edit) for name, edit in chosen.items()}
+    variants["the paint again, for noise"] = bench.painted()
+    variants["mixture (present; cut)"] = bench.painted(no_mixture)
+    variants["Principled, metallic, coat"] = Variant(principled())
+    bench.race(list(variants.values()), repetitions)
+
+    report = []
+    whole = variants[WHOLE].slope(bench.pixels)
+    print(f"\n{'variant':<28}{'ns per sample':>14}{'the paint over it':>19}{'first sample, s':>17}")
+    for name, variant in variants.items():
+        taken = variant.slope(bench.pixels)
+        print(f"{name:<28}{taken:>14.0f}{whole / taken:>19.3f}{variant.first:>17.2f}")
+        if name in PARTS:
+            title = f"{name}: time of the paint without it over time where it is cut from the text"
+            report.append(bars.at_most(title, whole / taken, LIMIT))
+    return report
 
 
 if __name__ == "__main__":
