@@ -30,10 +30,10 @@ CAPTIONS = {
     "looks straight at it, blue and purple aslant.",
     "car-studio": "deep-blue in a studio, under area lights alone: they light the flakes without "
     "sparkles.",
-    "macro": "Single flakes under the sun. A pixel is 0.03 mm wide in the first two, which is the "
-    "size of a flake, and 0.1 and 0.12 mm in the others.",
-    "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then grain, "
-    "then the flop alone. The last picture is enlarged 3 times.",
+    "macro": "Near by, under the sun: pixels of 0.04 mm, the size of a flake, in the first two, of "
+    "0.13 and 0.19 mm in the others.",
+    "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
+    "then the flop alone. The last picture is enlarged 8 times.",
 }
 
 

@@ -52,10 +52,10 @@ class Studio:
 
 
 def swatches(studio: Studio) -> list[list[np.ndarray]]:
-    scene = studio.scene(320, 240, 64)
+    scene = studio.scene(280, 210, 36)
     things = scenes.swatch(scene)
     render_scene.paint_objects(things, render_scene.load_paint(studio.names[0]))
-    label = scenes.add_label(scene, "", scenes.SWATCH_WIDTH)
+    label = scenes.add_label(scene, "")
     shots = []
     for name in studio.names:
         material.apply(things[0].data.materials[0], render_scene.load_paint(name))
@@ -70,7 +70,7 @@ TOWARDS_SUN = (0.62, -0.95, 1.1)
 
 
 def car(studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None]) -> bpy.types.Scene:
-    scene = studio.scene(800, 450, 96)
+    scene = studio.scene(800, 450, 48)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     light(scene)
@@ -79,7 +79,7 @@ def car(studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None]) -
 
 def sun(scene: bpy.types.Scene) -> None:
     scenes.add_floor(scene, 400, 0.12)
-    scenes.add_sun(scene, TOWARDS_SUN, 4)
+    scenes.add_sun(scene, TOWARDS_SUN, 4.5)
     scenes.set_world(scene, 0)
 
 
@@ -91,7 +91,7 @@ def sky(scene: bpy.types.Scene) -> None:
 
 def surroundings(scene: bpy.types.Scene) -> None:
     scenes.add_floor(scene, 400, 0.12)
-    scenes.set_studio_light(scene, "forest", 1.1, 120)
+    scenes.set_studio_light(scene, "forest", 0.85, 120)
 
 
 def softboxes(scene: bpy.types.Scene) -> None:
@@ -104,15 +104,16 @@ def softboxes(scene: bpy.types.Scene) -> None:
 
 def macro(studio: Studio) -> list[list[np.ndarray]]:
     shots = []
-    for preset, mm in (("silver-coarse", 10), ("green-purple", 10), ("glass-flake-black", 32),
-                       ("bass-boat", 40)):  # fmt: skip
-        scene = studio.scene(320, 320, 64)
+    for preset, mm in (("silver-coarse", 12), ("green-purple", 12), ("glass-flake-black", 40),
+                       ("bass-boat", 60)):  # fmt: skip
+        scene = studio.scene(320, 320, 24)
+        scene.cycles.filter_width = 2.5  # pixels: the lens blurs a flake as small as a pixel
         radius = 0.006 * mm
         ball = scenes.add_ball(scene, (0, 0, -radius), radius)
         render_scene.paint_objects([ball], render_scene.load_paint(preset))
         width = mm * 1e-3
         scenes.add_camera(scene, (0, 0, 15 * width), (0, 0, 0), width)
-        scenes.add_label(scene, f"{preset}, {mm} mm wide", width)
+        scenes.add_label(scene, f"{preset}, {mm} mm")
         scenes.add_sun(scene, (0.12, 0.16, 1), 1.7)
         scenes.set_studio_light(scene, "courtyard", 0.6, 0, scenes.COURTYARD_BALANCE)
         shots.append(studio.shoot(scene, preset))
@@ -120,8 +121,8 @@ def macro(studio: Studio) -> list[list[np.ndarray]]:
 
 
 def distance(studio: Studio) -> list[list[np.ndarray]]:
-    preset, enlarged = "silver-coarse", 3
-    scene = studio.scene(400, 300, 96)
+    preset, enlarged = "silver-coarse", 8
+    scene = studio.scene(400, 300, 48)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     sky(scene)
@@ -129,11 +130,11 @@ def distance(studio: Studio) -> list[list[np.ndarray]]:
     target = scenes.seen_point(scene, Vector((0.9, -0.3, 0.7)), away)
     shots = []
     for metres in (1, 10, 100):
-        width = 0.5 * metres  # one lens
+        width = 0.4 * metres  # one lens
         camera = scenes.add_camera(scene, target + metres * away, target, width)
         scale = enlarged if metres == 100 else 1
         text = f"{metres} m" + (f", enlarged {scale} times" if scale > 1 else "")
-        label = scenes.add_label(scene, text, width / scale)
+        label = scenes.add_label(scene, text, 1 / scale)
         shot = studio.shoot(scene, f"{preset}, {metres} m")
         shots.append(_middle(shot, scale))
         for item in (label, camera):

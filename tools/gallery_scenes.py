@@ -26,6 +26,7 @@ def empty_scene(width: int, height: int, samples: int, exposure: float = 0) -> b
     scene = bpy.context.scene
     render_scene.set_up_studio(scene)
     render_scene.set_up(scene, samples, width, height)
+    scene.cycles.max_bounces = 2  # floor and paint light each other once
     scene.view_settings.exposure = exposure
     return scene
 
@@ -50,18 +51,22 @@ def add_camera(
     return camera
 
 
-def add_label(scene: bpy.types.Scene, text: str, width: float) -> bpy.types.Object:
-    """Words at the lower edge of the picture, which is `width` metres wide at its subject."""
-    camera = scene.camera
-    near = 0.5 * camera.data.lens / camera.data.sensor_width * width  # half way to the subject
-    half = width / 4
+def add_label(scene: bpy.types.Scene, text: str, share: float = 1) -> bpy.types.Object:
+    """Words at the lower edge of the picture, or of that share of it around its middle."""
+    camera = scene.camera.data
+    near = 10 * camera.clip_start
+    half = share * near * camera.sensor_width / camera.lens / 2
     curve = bpy.data.curves.new("Label", "FONT")
-    curve.body, curve.size = text, 0.062 * 2 * half
+    curve.body, curve.size = text, 0.124 * half
     curve.align_x = "CENTER"
     label = bpy.data.objects.new("Label", curve)
     scene.collection.objects.link(label)
-    label.parent = camera
-    label.location = (0, -half * 0.94 * scene.render.resolution_y / scene.render.resolution_x, -near)
+    label.parent = scene.camera
+    label.location = (
+        0,
+        -half * 0.94 * scene.render.resolution_y / scene.render.resolution_x,
+        -near,
+    )
     for ray in ("diffuse", "glossy", "shadow"):
         setattr(label, f"visible_{ray}", False)
     surface = bpy.data.materials.new("Label")
@@ -102,9 +107,7 @@ def add_softbox(
     return item
 
 
-def _placed(
-    scene: bpy.types.Scene, data: bpy.types.Light, towards: Vector
-) -> bpy.types.Object:
+def _placed(scene: bpy.types.Scene, data: bpy.types.Light, towards: Vector) -> bpy.types.Object:
     item = bpy.data.objects.new(data.name, data)
     item.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
     scene.collection.objects.link(item)
