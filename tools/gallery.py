@@ -19,19 +19,18 @@ from metallic_paint import presets
 SECONDS = 3600  # for one picture
 
 CAPTIONS = {
-    "swatches": "All presets under a sun and the light of a courtyard (one of the surroundings "
-    "that come with Blender). The ball is 40 mm wide and a pixel 0.3 mm: what one sees at arm's "
-    "length.",
+    "swatches": "Paints under a sun and the light of a courtyard (one of the surroundings that "
+    "come with Blender). The ball is 40 mm wide: what one sees at arm's length.",
     "car-sun": "candy-red under the sun alone: no sky, so what does not mirror the sun is dark. "
-    "From 11 m most pixels hold thousands of flakes and show their mean.",
+    "A pixel holds thousands of flakes and shows their mean.",
     "car-sky": "silver-coarse under sun and sky: the flop from the light shoulder to the dark "
     "flank.",
     "car-surroundings": "green-purple in a wood (one of Blender's surroundings): green where one "
     "looks straight at it, blue and purple aslant.",
     "car-studio": "deep-blue in a studio, under area lights alone: they light the flakes without "
     "sparkles.",
-    "macro": "Near by, under the sun: pixels of 0.04 mm, the size of a flake, in the first two, of "
-    "0.13 and 0.19 mm in the others.",
+    "macro": "Near by, under the sun; the words tell how wide each picture is. In the first two a "
+    "pixel is as wide as a flake.",
     "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
     "then the flop alone. The last picture is enlarged 8 times.",
 }

@@ -34,10 +34,9 @@ def test_a_part_of_it_is_a_whole_folder(tmp_path: Path) -> None:
     assert "| silver-fine | Silver, fine aluminium" in index
 
     image = OpenImageIO.ImageBuf(str(out / "swatches.jpg")).get_pixels(OpenImageIO.FLOAT)
-    assert image.shape == (120, 160, 3)
-    panel, board = image[15:80, 10:78], image[90:100, :]
-    assert panel.mean() > board.mean()  # silver on grey
-    assert panel.std() > 2 * board.std()  # sparkles
+    assert image.shape == (105, 140, 3)
+    panel, board = image[15:70, 10:66], image[80:90, :]
+    assert panel.mean() > 1.2 * board.mean()  # silver on dark grey
 
 
 def test_what_is_not_there_is_said(tmp_path: Path) -> None:
