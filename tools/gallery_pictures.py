@@ -33,10 +33,10 @@ class Studio:
         self.quick = quick
         self.names = names
 
-    def scene(self, width: int, height: int, samples: int) -> bpy.types.Scene:
+    def scene(self, width: int, height: int, samples: int, exposure: float = 0) -> bpy.types.Scene:
         if self.quick:
             width, height, samples = width // 2, height // 2, QUICK_SAMPLES
-        return scenes.empty_scene(width, height, samples)
+        return scenes.empty_scene(width, height, samples, exposure)
 
     def shoot(self, scene: bpy.types.Scene, what: str) -> np.ndarray:
         """The picture (h, w, 3) of 8 bits."""
@@ -69,8 +69,10 @@ def swatches(studio: Studio) -> list[list[np.ndarray]]:
 TOWARDS_SUN = (0.62, -0.95, 1.1)
 
 
-def car(studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None]) -> bpy.types.Scene:
-    scene = studio.scene(800, 450, 48)
+def car(
+    studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None], samples: int = 48
+) -> list[list[np.ndarray]]:
+    scene = studio.scene(800, 450, samples)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     light(scene)
@@ -97,16 +99,17 @@ def surroundings(scene: bpy.types.Scene) -> None:
 def softboxes(scene: bpy.types.Scene) -> None:
     scenes.add_floor(scene, 400, 0.10, roughness=0.3)
     scenes.set_world(scene, 0.03)
-    scenes.add_softbox(scene, (0, 0, 3.6), (0, 0, 0.7), (5.0, 1.6), 2.6)
-    scenes.add_softbox(scene, (5.0, -1.0, 1.6), (0.8, 0, 0.6), (1.4, 2.4), 2.0)
-    scenes.add_softbox(scene, (-2.5, -5.5, 2.0), (-0.6, 0, 0.6), (4.0, 1.2), 1.6)
+    # Large: the fewer of a flake's mirror directions meet a lamp, the more the picture is noise.
+    scenes.add_softbox(scene, (0, 0, 4.0), (0, 0, 0.7), (7.0, 3.5), 2.0)
+    scenes.add_softbox(scene, (6.0, -1.0, 2.0), (0.8, 0, 0.6), (3.0, 3.0), 2.0)
+    scenes.add_softbox(scene, (-2.5, -6.5, 2.4), (-0.6, 0, 0.6), (6.0, 2.4), 1.8)
 
 
 def macro(studio: Studio) -> list[list[np.ndarray]]:
     shots = []
     for preset, mm in (("silver-coarse", 12), ("green-purple", 12), ("glass-flake-black", 40),
                        ("bass-boat", 60)):  # fmt: skip
-        scene = studio.scene(320, 320, 24)
+        scene = studio.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
         scene.cycles.filter_width = 2.5  # pixels: the lens blurs a flake as small as a pixel
         radius = 0.006 * mm
         ball = scenes.add_ball(scene, (0, 0, -radius), radius)
@@ -114,7 +117,7 @@ def macro(studio: Studio) -> list[list[np.ndarray]]:
         width = mm * 1e-3
         scenes.add_camera(scene, (0, 0, 15 * width), (0, 0, 0), width)
         scenes.add_label(scene, f"{preset}, {mm} mm")
-        scenes.add_sun(scene, (0.12, 0.16, 1), 1.7)
+        scenes.add_sun(scene, (0.2, 0.25, 1), 1.7)
         scenes.set_studio_light(scene, "courtyard", 0.6, 0, scenes.COURTYARD_BALANCE)
         shots.append(studio.shoot(scene, preset))
     return [shots]
@@ -127,18 +130,13 @@ def distance(studio: Studio) -> list[list[np.ndarray]]:
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     sky(scene)
     away = Vector((0.78, -0.95, 0.42)).normalized()
-    target = scenes.seen_point(scene, Vector((0.9, -0.3, 0.7)), away)
+    target = scenes.seen_point(scene, Vector((0.5, -0.4, 0.7)), away)
     shots = []
     for metres in (1, 10, 100):
-        width = 0.4 * metres  # one lens
-        camera = scenes.add_camera(scene, target + metres * away, target, width)
-        scale = enlarged if metres == 100 else 1
-        text = f"{metres} m" + (f", enlarged {scale} times" if scale > 1 else "")
-        label = scenes.add_label(scene, text, 1 / scale)
+        camera = scenes.add_camera(scene, target + metres * away, target, 0.45 * metres)  # one lens
         shot = studio.shoot(scene, f"{preset}, {metres} m")
-        shots.append(_middle(shot, scale))
-        for item in (label, camera):
-            bpy.data.objects.remove(item)
+        shots.append(_middle(shot, enlarged if metres == 100 else 1))
+        bpy.data.objects.remove(camera)
     return [shots]
 
 
@@ -157,7 +155,7 @@ PICTURES: dict[str, Callable[[Studio], list[list[np.ndarray]]]] = {
     "car-sun": lambda studio: car(studio, "candy-red", sun),
     "car-sky": lambda studio: car(studio, "silver-coarse", sky),
     "car-surroundings": lambda studio: car(studio, "green-purple", surroundings),
-    "car-studio": lambda studio: car(studio, "deep-blue", softboxes),
+    "car-studio": lambda studio: car(studio, "deep-blue", softboxes, 128),
     "macro": macro,
     "distance": distance,
 }

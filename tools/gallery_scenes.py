@@ -51,11 +51,11 @@ def add_camera(
     return camera
 
 
-def add_label(scene: bpy.types.Scene, text: str, share: float = 1) -> bpy.types.Object:
-    """Words at the lower edge of the picture, or of that share of it around its middle."""
+def add_label(scene: bpy.types.Scene, text: str) -> bpy.types.Object:
+    """Words at the lower edge of the picture."""
     camera = scene.camera.data
     near = 10 * camera.clip_start
-    half = share * near * camera.sensor_width / camera.lens / 2
+    half = near * camera.sensor_width / camera.lens / 2
     curve = bpy.data.curves.new("Label", "FONT")
     curve.body, curve.size = text, 0.124 * half
     curve.align_x = "CENTER"
