@@ -259,14 +259,10 @@ def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
 
 def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
-    report = needs.fit(scene)
-    for layer in scene.view_layers:
-        layer.use_pass_material_index = True
     start = time.monotonic()
     with _progress():
-        bpy.ops.render.render(scene=scene.name)
+        report = take(scene)
     seconds = time.monotonic() - start
-    _check_paint(scene)
     _write(scene, files)
     for file in files:
         say(f"{file} ({_describe(file, scene)})")
@@ -275,11 +271,21 @@ def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
     say(str(report))
 
 
+def take(scene: bpy.types.Scene) -> needs.Needs:
+    """Renders, and says nothing; save() has the picture."""
+    report = needs.fit(scene)
+    for layer in scene.view_layers:
+        layer.use_pass_material_index = True
+    bpy.ops.render.render(scene=scene.name)
+    _check_paint(scene)
+    return report
+
+
 def _write(scene: bpy.types.Scene, files: Sequence[Path]) -> None:
     with contextlib.ExitStack() as stack:
         beside = [stack.enter_context(_unfinished_file(file)) for file in files]
         for unfinished in beside:
-            _save(scene, unfinished)
+            save(scene, unfinished)
         for unfinished, file in zip(beside, files, strict=True):
             try:
                 unfinished.replace(file)
@@ -338,7 +344,7 @@ def _share_done(stats: str) -> float:
 def _check_paint(scene: bpy.types.Scene) -> None:
     """Cycles renders a shader that fails as black, without a word."""
     file = Path(bpy.app.tempdir) / "passes.exr"
-    _save(scene, file, layers=True)
+    save(scene, file, layers=True)
     color, index = _passes(file)
     shown = index == PAINT_INDEX
     if not shown.any():
@@ -366,7 +372,7 @@ def _passes(file: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(colors), np.concatenate(indices)
 
 
-def _save(scene: bpy.types.Scene, file: Path, *, layers: bool = False) -> None:
+def save(scene: bpy.types.Scene, file: Path, *, layers: bool = False) -> None:
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):  # Blender 5
         settings.media_type = "MULTI_LAYER_IMAGE" if layers else "IMAGE"

@@ -65,6 +65,13 @@ ACCURACY = ReportFolder("accuracy", ("choices.png", "draws.png", "depth.png", "p
 MEASURE = ReportFolder("measure", ("goniophotometer.png",))
 
 
+GALLERY = ReportFolder(
+    "gallery",
+    ("swatches.jpg", "car-sun.jpg", "car-sky.jpg", "car-surroundings.jpg", "car-studio.jpg",
+     "macro.jpg", "distance.jpg"),
+)  # fmt: skip
+
+
 def check_file(file: Path, out: Path) -> None:
     """Finds out before the measuring whether --json can be written."""
     if out.resolve() in file.resolve().parents:

@@ -234,7 +234,7 @@ def triangle(tmp_path: Path) -> Path:
 def test_the_paint_must_exist(out: Path, triangle: Path) -> None:
     arguments = [triangle, "--paint", "mauve", "--out", out]
     assert_fails(
-        out, arguments, "'mauve' is neither a file nor a preset; the presets are candy-red"
+        out, arguments, "'mauve' is neither a file nor a preset; the presets are bass-boat"
     )
     assert_fails(out, ["--preset", "mauve", "--out", out.parent], "neither a file", name="demo")
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from metallic_paint import presets
 from metallic_paint.paint import PARAMETERS
-from metallic_paint.presets import Paint, PaintError, PresetError
+from metallic_paint.presets import Flakes, Paint, PaintError, PresetError
 
 OWN = {name: p for name, p in PARAMETERS.items() if "." not in name}  # not of further species
 NUMBERS = [
@@ -27,17 +27,42 @@ def text(paint: dict[str, object], **more: object) -> str:
     return json.dumps({"schema_version": 1, "paint": paint, **more})
 
 
+def in_use(paint: Paint) -> list[Flakes]:
+    return [flakes for flakes in paint.species if flakes.flakes_per_mm2 > 0]
+
+
 @pytest.mark.parametrize("name", presets.names())
 def test_a_shipped_preset_is_a_plausible_paint(name: str) -> None:
     paint = presets.load(name)
-    assert 0.5 <= paint.flake_coverage <= 3
-    assert 0.1 <= paint.tilt <= 0.25
+    assert in_use(paint)[0] is paint
+    # A base coat hides what is under it; pearls over a coloured ground and sparse glass need not.
+    assert 0.1 <= sum(flakes.flake_coverage for flakes in in_use(paint)) <= 3
+    for flakes in in_use(paint):
+        assert 5 <= flakes.flake_diameter_um <= 400
+        assert 0.1 <= flakes.flake_area_spread <= 0.6
+        assert 0.05 <= flakes.tilt <= 0.3
+        assert 0.005 <= flakes.flake_spread <= 0.03
+    glitter = max(flakes.flake_diameter_um for flakes in in_use(paint)) >= 100
+    assert 10 <= paint.layer_thickness_um <= (500 if glitter else 40)
+    assert paint.binder_ior == 1.5
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_shipped_preset_sets_nothing_that_its_coating_does_not_use(name: str) -> None:
+    for flakes in in_use(presets.load(name)):
+        if "-on-" not in flakes.coating:
+            assert flakes.coating_nm == Flakes().coating_nm
+        if flakes.coating != "colors":
+            for field in ("flake_color", "flake_edge_color", "flake_transmission"):
+                assert getattr(flakes, field) == getattr(Flakes(), field)
 
 
 def test_the_promised_presets_ship() -> None:
     assert set(presets.names()) >= {
-        "silver-fine", "silver-coarse", "deep-blue", "champagne", "candy-red", "copper",
-        "gunmetal", "gold",
+        "silver-fine", "silver-medium", "silver-coarse", "champagne", "gunmetal", "graphite-matt",
+        "candy-red", "deep-blue", "petrol", "racing-green", "wine-red", "gold", "copper", "bronze",
+        "white-pearl", "green-purple", "blue-violet", "gold-green", "sunset", "lime",
+        "glass-flake-black", "hammer-look", "bass-boat", "nail-polish",
     }  # fmt: skip
 
 
