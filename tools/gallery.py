@@ -80,7 +80,7 @@ def main() -> int:
         help="the pictures with TEXT in their name, or a sheet of the presets with it in theirs",
     )  # fmt: skip
     parser.add_argument(
-        "--quick", action="store_true", help="small pictures, few samples, four presets"
+        "--quick", action="store_true", help="small pictures, few samples, three presets"
     )
     arguments = parser.parse_args()
 
@@ -88,7 +88,7 @@ def main() -> int:
     pictures = chosen(arguments.only)
     shown = next(iter(pictures.values()))
     if arguments.quick:
-        shown = shown[:: -(-len(shown) // 4)]
+        shown = shown[:: -(-len(shown) // 3)]
     GALLERY.check(arguments.out)
     script = ROOT / "tools" / "gallery_pictures.py"
     with GALLERY.fill(arguments.out) as folder:
