@@ -122,7 +122,7 @@ The fields are checked when a Paint is.)doc");
   species.def_property(
       "coating", [](const FlakeSpecies& f) { return static_cast<int>(f.coating); },
       [](FlakeSpecies& f, py::handle value) {
-        const int kind = from_python<int>("coating", value, kInt32);
+        const int kind = from_python<int>("coating", value, "a whole number from 0 to 14");
         metallic_paint::require_coating("coating", kind, 0);
         f.coating = static_cast<metallic_paint::CoatingKind>(kind);
       });

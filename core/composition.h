@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // How sparkles join the rest of the paint's light. exact: they add. published: the paper's remark
-// at the end of 5.3.5, a pixel takes the greatest luminance; its highlight and diffuse light are
-// one here, for the renderer adds these itself. Sparkles can darken nothing in either.
+// at the end of 5.3.5, a pixel takes the greatest luminance, here of each listed light; its
+// highlight and diffuse light are one here, for the renderer adds these itself. Sparkles can darken
+// nothing in either.
 #pragma once
 
 #include <algorithm>

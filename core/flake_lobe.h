@@ -29,6 +29,8 @@ struct MirroredSample {
 // outside has the density q = p/(4 |v . m|) cos(theta')/(eta^2 cos(theta'_p)) (mirror law, then
 // refraction), and
 //   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r'), <S> over all species.
+// The flakes' own spread is left out, which shows where it is not narrow against their tilt: under
+// the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
 // u, w: uniform deviates in (0, 1). Unlike the sparkles' headers, the shader's copy repeats this in
 // the mean and not bit for bit: OSL's own sin and cos place the azimuth.
 template <class T>

@@ -49,9 +49,10 @@ void validate_species(const FlakeSpecies& flakes, const Name& name) {
   require_colour(color, flakes.flake_color, 1);
   require_colour(edge, flakes.flake_edge_color, 1);
   require_colour(transmission, flakes.flake_transmission, 1);
+  require_coating(name("coating"), static_cast<int>(flakes.coating), flakes.coating_nm);
+  if (flakes.coating != CoatingKind::colors) return;
   require_sum(color + " + " + transmission, flakes.flake_color, flakes.flake_transmission);
   require_sum(edge + " + " + transmission, flakes.flake_edge_color, flakes.flake_transmission);
-  require_coating(name("coating"), static_cast<int>(flakes.coating), flakes.coating_nm);
 }
 
 }  // namespace

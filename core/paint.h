@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A metallic paint as artists and presets state it: real units in the names, checked once, here.
-// The parameters are those of osl/metallic_paint.osl, one for one.
+// The parameters are those of osl/metallic_paint.osl but for what is given beside the flakes
+// (substrate, coat, texture, composition).
 #pragma once
 
 #include <algorithm>
@@ -70,10 +71,10 @@ void validate_beta(double beta);
 void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction);
 void validate_int32(const std::string& field, std::size_t row, double value);
 
-// A plane mirror of area S turns a plane wave into one that has the brightness S/lambda^2 of its
-// flux per steradian in the middle: that of a cone of solid angle lambda^2/S, pi epsilon^2 =
-// lambda^2/(pi d^2/4). So epsilon = 2 lambda/(pi d), with lambda = 550 nm/eta in the binder; at
-// most 0.5 rad, where d is no longer large against lambda.
+// At normal incidence a plane mirror of area S turns a plane wave into one that has the brightness
+// S/lambda^2 of its flux per steradian in the middle: that of a cone of solid angle lambda^2/S, pi
+// epsilon^2 = lambda^2/(pi d^2/4). So epsilon = 2 lambda/(pi d), with lambda = 550 nm/eta in the
+// binder; at most 0.5 rad, where d is no longer large against lambda.
 template <class T>
 T diffraction_spread(T diameter_um, T eta) {
   return std::min(T(0.350140874801697521L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi

@@ -13,7 +13,8 @@
 
 namespace metallic_paint {
 
-// Pixels finer than the grain see no more contrast: the relative deviation ends at 1.
+// Pixels finer than the grain see no more contrast: the relative deviation ends at 1. The mean is
+// kept, not a bound: single pixels of a bright paint may send back more than they receive.
 template <class T>
 T texture_deviation(T contrast, T footprint) {
   return std::min(contrast * T(0.001) / std::sqrt(std::max(footprint, T(1e-20))), T(1));

@@ -30,7 +30,7 @@ CAPTIONS = {
     "car-studio": "deep-blue in a studio, under area lights alone: they light the flakes without "
     "sparkles.",
     "macro": "Near by, under the sun; the words tell how wide each picture is. In the first two a "
-    "pixel is as wide as a flake. Exposed for the flakes that mirror the sun.",
+    "pixel is one to two flakes wide. Exposed for the flakes that mirror the sun.",
     "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
     "then the flop alone. The last is enlarged 8 times.",
 }

@@ -26,7 +26,7 @@ from .paint import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 2  # of the group's interface: sockets are only ever appended within a version
+VERSION = 2  # of the group's interface: another layout, another version
 OUTPUT = "BSDF"
 SHOWN = "Shown"  # the shader's diagnostic, a colour
 NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
@@ -202,7 +202,7 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
 
 
 def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) -> None:
-    """Gives the group its interface and wires it; the order here is the sockets' for ever."""
+    """Gives the group its interface and wires it, in the order of the panels."""
     group.color_tag = "SHADER"
     group.description = "Metallic paint with sparkling flakes"
     group.default_group_node_width = 240

@@ -144,21 +144,22 @@ class Flakes:
     )
     flake_color: Color = _field(
         (0.91, 0.92, 0.92), "FlakeColor", "Flake Color", FLAKES, 0, 1,
-        "Reflectance of a flake at normal incidence", is_color=True,
+        "Reflectance of a flake at normal incidence. Only with Coating 0", is_color=True,
     )
     flake_edge_color: Color = _field(
         (1.0, 1.0, 1.0), "FlakeEdgeColor", "Flake Edge Color", FLAKES, 0, 1,
-        "Reflectance of a flake at grazing incidence", is_color=True,
+        "Reflectance of a flake at grazing incidence. Only with Coating 0", is_color=True,
     )
     flake_transmission: Color = _field(
         (0.0, 0.0, 0.0), "FlakeTransmission", "Flake Transmission", FLAKES, 0, 1,
-        "Transmittance of a flake at every angle: with either reflectance at most 1",
+        "Transmittance of a flake at every angle: with either reflectance at most 1. Only with "
+        "Coating 0",
         is_color=True,
     )
     coating: str = _field(
         "colors", "FlakeCoating", "Coating", FLAKES, 0, len(COATINGS) - 1,
         "0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the "
-        "interference colours of its film: " + ", ".join(
+        "interference colours of its film, as in a binder of index 1.5: " + ", ".join(
             f"{number} {name}" for number, name in enumerate(COATINGS) if number
         ),
         choices=COATINGS,
@@ -176,17 +177,20 @@ class Flakes:
                 f"tilt is {self.tilt} and must lie in 1e-06..1, being the roughness alpha of "
                 f"orientation {self.orientation!r}."
             )
-        _check_energy(
-            "flake_color", self.flake_color, "flake_transmission", self.flake_transmission
-        )
-        _check_energy(
-            "flake_edge_color", self.flake_edge_color, "flake_transmission", self.flake_transmission
-        )
+        if self.coating == "colors":
+            transmitted = "flake_transmission", self.flake_transmission
+            _check_energy("flake_color", self.flake_color, *transmitted)
+            _check_energy("flake_edge_color", self.flake_edge_color, *transmitted)
 
     @property
     def flake_coverage(self) -> float:
         """Flake area per area of surface (the model's D H ⟨S⟩), dimensionless."""
-        return self.flakes_per_mm2 * math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
+        area_mm2 = math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
+        s = self.flake_area_spread  # E[max(0, 1 + s w)], w a standard normal deviate
+        if s > 0:
+            above = (1 + math.erf(1 / (s * math.sqrt(2)))) / 2
+            area_mm2 *= above + s * math.exp(-0.5 / s**2) / math.sqrt(2 * math.pi)
+        return self.flakes_per_mm2 * area_mm2
 
 
 NO_FLAKES = Flakes(flakes_per_mm2=0)
@@ -234,8 +238,8 @@ class Paint(Flakes):
     )
     composition: str = _field(
         "exact", "Composition", "Composition", SPARKLE, 0, 1,
-        "0 exact: sparkles add to the rest of the light. 1 published: a pixel takes the brighter "
-        "of both",
+        "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a "
+        "pixel takes the brighter of both",
         choices=("exact", "published"),
     )
     seed: int = _field(
@@ -252,7 +256,8 @@ class Paint(Flakes):
     )
     coat_roughness: float = _field(
         0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
-        "Roughness of the surface of the binder, which makes the highlight", subtype="FACTOR",
+        "Roughness of the surface of the binder. It blurs the highlight only: flakes are seen as "
+        "through a smooth coat", subtype="FACTOR",
     )
     orange_peel: float = _field(
         0.0, "OrangePeel", "Orange Peel", BINDER, 0, 1,

@@ -6,7 +6,8 @@
 //
 // Frame: paint normal = z; light and detectors are unit vectors that point away from the surface,
 // outside it. All shares are of the flux that falls on the surface, so they do not depend on the
-// strength of the light. Paint::flake_spread, depth_model and radiometry do not matter here.
+// strength of the light. Paint::flake_spread, diffraction, depth_model and
+// radiometry do not matter here.
 #pragma once
 
 #include <array>

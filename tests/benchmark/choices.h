@@ -62,14 +62,14 @@ class ModelOf : public Model {
     change.paint(paint_);
     layer_ = make_layer<T>(paint_);
     coating_ = interference_coating<T>();
-    if (change.coated) layer_.coating.table = &coating_;
+    if (change.coated) flakes().coating.table = &coating_;
     if (change.orientation_intervals > 0) {
-      orientation_.emplace(layer_.orientation, change.orientation_intervals);
-      layer_.orientation_table = &*orientation_;
+      orientation_.emplace(flakes().orientation, change.orientation_intervals);
+      flakes().orientation_table = &*orientation_;
     }
     if (change.projection_intervals > 0) {
-      projection_.emplace(layer_.orientation, layer_.coating, change.projection_intervals);
-      layer_.projection_table = &*projection_;
+      projection_.emplace(flakes().orientation, flakes().coating, change.projection_intervals);
+      flakes().projection_table = &*projection_;
     }
   }
 
@@ -99,6 +99,7 @@ class ModelOf : public Model {
   }
 
  private:
+  Flakes<T>& flakes() { return layer_.flakes[0]; }
   HashWords key_of(int seed) const {
     Paint paint = paint_;
     paint.seed = seed;
@@ -110,7 +111,7 @@ class ModelOf : public Model {
   Drawn draw_one(const ExpectedSparkles<T>& expected, HashWords key,
                  const SurfacePoint<T>& point) const {
     const Sparkles<T> sparkles =
-        draw_(expected, layer_.area_spread, key, point.pixel_x, point.pixel_y);
+        draw_(expected, layer_.flakes[0].area_spread, key, point.pixel_x, point.pixel_y);
     return {static_cast<double>(sparkles.count), Rgb<double>(sparkles.radiance)};
   }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batch.h"
+#include "reference/optics.h"
 #include "support.h"
 
 namespace {
@@ -302,6 +303,34 @@ TEST(PixelInput, BadPixelsAreRefused) {
   }
   position[4] = kNan;
   expect_names(complaint(batch), {"position[1] is nan", "1e+30"});
+}
+
+TEST(Paint, DiffractionSpreadsAFlakeAsAnEvenConeOfTheDiscsBrightness) {
+  // The references' own derivation; and by hand 12 um in a binder of 1.5: 0.01945 rad.
+  for (double diameter : {1e-3, 0.5, 12.0, 34.0, 1e5}) {
+    for (double ior : {0.5, 1.0, 1.5, 2.2}) {
+      for (double waviness : {0.0, 0.01, 0.5}) {
+        Paint paint;
+        paint.diffraction = Diffraction::disc;
+        paint.flake_diameter_um = diameter;
+        paint.binder_ior = ior;
+        paint.flake_spread = waviness;
+        const double spread = reference::flake_spread(paint, paint);
+        EXPECT_NEAR(make_layer<double>(paint).flakes[0].solid_angle,
+                    std::numbers::pi * spread * spread, 1e-14)
+            << diameter << ' ' << ior << ' ' << waviness;
+      }
+    }
+  }
+  EXPECT_NEAR(diffraction_spread(12.0, 1.5), 0.01945, 1e-5);
+}
+
+TEST(Paint, ColoursThatACoatingReplacesNeedNotKeepEnergy) {
+  Paint paint;
+  paint.flake_transmission = {0.5, 0.5, 0.5};
+  EXPECT_THROW(validate(paint), std::invalid_argument);
+  paint.coating = CoatingKind::aluminium;
+  EXPECT_NO_THROW(validate(paint));
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ def test_a_seed_is_whole() -> None:
         Paint(seed=1.5)
 
 
-@pytest.mark.parametrize("name", ["orientation", "depth_model", "radiometry"])
+@pytest.mark.parametrize("name", [name for name, p in OWN.items() if p.choices])
 @pytest.mark.parametrize("value", ["phong", "", 0, None, ["gaussian"]])
 def test_a_choice_is_one_of_its_words(name: str, value: object) -> None:
     with pytest.raises(PaintError) as error:
