@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Orange peel: the waves that spraying leaves in the binder's surface. Their slope is Perlin noise of wavelength `size`; they
-// bend the highlight, and too little of what is refracted to matter to the flakes.
+// bend the highlight, and not what the flakes see, which they would turn by a third of their slope.
 #pragma once
 
 #include "refraction.h"
@@ -9,7 +9,7 @@
 // Of each channel of noise("perlin"), measured over 1e6 points.
 #define PERLIN_DEVIATION 0.26
 
-// The normal tilted by a slope whose root mean square is `slope`; p in metres, as is `size`.
+// The normal tilted by a slope whose root mean square is `slope`; p and `size` in scene units.
 vector orange_peel(vector n, point p, float slope, float size)
 {
   vector waves = noise("perlin", p / size);

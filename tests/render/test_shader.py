@@ -12,7 +12,7 @@ import pytest
 import verify_scenes
 from mathutils import Matrix
 from metallic_paint import material, verify
-from metallic_paint.paint import PARAMETERS, Paint, Parameter
+from metallic_paint.paint import PARAMETERS, Paint
 
 SIZE = 32
 SCENE = next(s for s in verify_scenes.SCENES if s.name == "thinned, sphere")
@@ -33,7 +33,7 @@ def assert_sound(probe: verify.Probe, what: object) -> None:
     assert (np.isfinite(lit) & (lit >= 0)).all(), what
 
 
-SOCKETS = [p for p in PARAMETERS.values() if not p.choices and "Seed" not in p.label]
+SOCKETS = [n for n, p in PARAMETERS.items() if not p.choices and n != "seed"]
 VALUE = "value"  # a mesh attribute
 
 
@@ -55,12 +55,13 @@ def row_of_spheres(values: list[float]) -> bpy.types.Object:
     return item
 
 
-@pytest.mark.parametrize("parameter", SOCKETS, ids=lambda p: p.label)
-def test_values_at_and_beyond_the_ends_of_their_range_stay_sound(parameter: Parameter) -> None:
+@pytest.mark.parametrize("name", SOCKETS)
+def test_values_at_and_beyond_the_ends_of_their_range_stay_sound(name: str) -> None:
+    parameter = PARAMETERS[name]
     values = [parameter.minimum, parameter.maximum, -1e30, 1e30, np.nan, np.inf, -np.inf]
-    spec = dataclasses.replace(
-        SCENE, paint=verify_scenes.THREE, orthographic=True, width=len(values)
-    )
+    # A shader of several species takes long to compile: only where it matters.
+    paint = verify_scenes.THREE if "." in name else SCENE.paint
+    spec = dataclasses.replace(SCENE, paint=paint, orthographic=True, width=len(values))
     probe = probe_of(spec)
     bpy.data.objects.remove(bpy.context.object)
     material.assign(row_of_spheres(values), probe.materials[0])
@@ -69,9 +70,12 @@ def test_values_at_and_beyond_the_ends_of_their_range_stay_sound(parameter: Para
     attribute = tree.nodes.new("ShaderNodeAttribute")
     attribute.attribute_name = VALUE
     tree.links.new(attribute.outputs["Fac"], probe.nodes[0].inputs[parameter.label])
-    hit = (probe.image(verify.VIEW) ** 2).sum(axis=-1) > 0.5
-    assert all(part.any() for part in np.split(hit, len(values), axis=1))
-    assert_sound(probe, parameter.label)
+    sound = probe.image(verify.SOUND)[..., 0]
+    # Sphere by sphere all of its disc, but for its rim, shows a 1.
+    y, x = (np.indices((SIZE, SIZE)) + 0.5) / SIZE - 0.5
+    disc = np.hypot(x, y) < 0.37
+    for value, part in zip(values, np.split(sound, len(values), axis=1), strict=True):
+        assert (part[disc] == 1).all(), value
 
 
 @pytest.mark.parametrize("orientation", [0, 1, 2, 7, -7])
