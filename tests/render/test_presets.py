@@ -77,8 +77,11 @@ def test_a_shipped_preset_leaves_nothing_to_defaults(name: str) -> None:
 
 
 def test_coverage_is_flake_area_per_area_of_paint() -> None:
-    paint = Paint(flakes_per_mm2=1000, flake_diameter_um=20)
+    paint = Paint(flakes_per_mm2=1000, flake_diameter_um=20, flake_area_spread=0)
     assert paint.flake_coverage == pytest.approx(1000e6 * math.pi / 4 * 20e-6**2)
+    # E[max(0, 1 + w)] of a standard normal w is 1.0833.
+    wide = dataclasses.replace(paint, flake_area_spread=1)
+    assert wide.flake_coverage / paint.flake_coverage == pytest.approx(1.08332, abs=1e-5)
 
 
 # --- a paint checks itself ----------------------------------------------------------------------
