@@ -77,7 +77,7 @@ void validate_int32(const std::string& field, std::size_t row, double value);
 // binder; at most 0.5 rad, where d is no longer large against lambda.
 template <class T>
 T diffraction_spread(T diameter_um, T eta) {
-  return std::min(T(0.350140874801697521L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
+  return std::min(T(0.350140874802169738692L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
 }
 
 template <class T>

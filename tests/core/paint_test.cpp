@@ -317,7 +317,7 @@ TEST(Paint, DiffractionSpreadsAFlakeAsAnEvenConeOfTheDiscsBrightness) {
         paint.flake_spread = waviness;
         const double spread = reference::flake_spread(paint, paint);
         EXPECT_NEAR(make_layer<double>(paint).flakes[0].solid_angle,
-                    std::numbers::pi * spread * spread, 1e-12)
+                    std::numbers::pi * spread * spread, 1e-14)
             << diameter << ' ' << ior << ' ' << waviness;
       }
     }
