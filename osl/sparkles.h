@@ -315,9 +315,9 @@ struct PixelSparkles {
   color mean_radiance;
 };
 
-// `blurred`: the mean, without its noise.
+// `blurred`: the mean, without its noise. mean_radiance is found where it is asked for.
 PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, Passage way,
-                      int light, int frame, int seed, int blurred, int shown)
+                      int light, int frame, int seed, int blurred, int asked_mean, int shown)
 {
   PixelSparkles all;
   all.count = 0.0;
@@ -327,7 +327,9 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   float ceiling = 0.0;
   for (int i = 0; i < layer.species; ++i) {
     ExpectedSparkles expected = expect_sparkles(layer, flakes[i], library, surface.footprint, way);
-    color mean = mean_radiance(expected);
+    color mean = color(0.0);
+    if (blurred || asked_mean)
+      mean = mean_radiance(expected);
     Sparkles drawn;
     drawn.count = expected.mean_count;
     drawn.radiance = mean;

@@ -8,6 +8,8 @@ import os
 import shutil
 import sys
 import tempfile
+import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
@@ -31,6 +33,16 @@ def prepare() -> None:
     user = Path(tempfile.mkdtemp(prefix="metallic-paint-"))
     os.environ["BLENDER_USER_RESOURCES"] = str(user)
     _scratch.append(user)
+
+
+def run(main: Callable[[], int]) -> NoReturn:
+    """Ends with main's code, or with 3 for a bug of ours."""
+    try:
+        code = main()
+    except Exception:
+        traceback.print_exc()
+        code = 3
+    finish(code)
 
 
 def finish(code: int) -> NoReturn:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-import traceback
 from pathlib import Path
 
 import blender_env
@@ -312,9 +311,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        code = main()
-    except Exception:
-        traceback.print_exc()
-        code = 3
-    blender_env.finish(code)
+    blender_env.run(main)

@@ -103,7 +103,8 @@ def _world_may_shine(scene: bpy.types.Scene) -> bool:
     tree = world.node_tree
     if world.animation_data or (tree and tree.animation_data):
         return True
-    if not world.use_nodes or tree is None:  # Blender 4.5
+    # Blender 5 always uses the nodes, and warns those who ask.
+    if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return any(world.color)
     out = tree.get_output_node("CYCLES")
     if out is None:
@@ -230,7 +231,7 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
     mesh.loop_triangles.foreach_get("vertices", indices)
     places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", places)
-    matrix = np.array(thing.matrix_world)
+    matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
     places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
     indices = indices.reshape(-1, 3)
 

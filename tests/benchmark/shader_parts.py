@@ -23,7 +23,6 @@ import re
 import subprocess
 import sys
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -249,9 +248,4 @@ def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]
 
 
 if __name__ == "__main__":
-    try:
-        code = main()
-    except Exception:
-        traceback.print_exc()
-        code = 3
-    blender_env.finish(code)
+    blender_env.run(main)

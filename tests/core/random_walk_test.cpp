@@ -87,6 +87,16 @@ Paint lossless(Orientation orientation, double tilt, double eta, double rayleigh
   return paint;
 }
 
+// A detector where a flake of the normal n sends the light that comes from l in the binder, if the
+// mirrored ray leaves the paint.
+void add_detector(WalkScene& scene, Vec3<double> n, Vec3<double> l) {
+  const double eta = scene.paint.binder_ior;
+  const Vec3<double> v = n * (2 * dot(n, l)) - l;
+  const double sine = eta * std::hypot(v.x, v.y);
+  if (v.z <= 0 || sine > 0.98) return;
+  scene.detectors.push_back({eta * v.x, eta * v.y, std::sqrt(1 - sine * sine)});
+}
+
 double refracted(double cosine, double eta) {
   return std::sqrt(std::max((eta - 1) * (eta + 1) + cosine * cosine, 0.0)) / eta;
 }
@@ -357,10 +367,7 @@ TEST(RandomWalk, SingleScatteringIsTheCoresFlakeBrdf) {
     while (scene.detectors.size() < detectors) {
       const Vec3<double> n = direction(random.uniform(0, 2 * std::min(paint.tilt, 0.5)) * 180 / kPi,
                                        random.uniform(0, 2 * kPi));
-      const Vec3<double> v = n * (2 * dot(n, l)) - l;
-      const double sine = eta * std::hypot(v.x, v.y);
-      if (v.z <= 0 || sine > 0.98) continue;
-      scene.detectors.push_back({eta * v.x, eta * v.y, std::sqrt(1 - sine * sine)});
+      add_detector(scene, n, l);
     }
     scene.photons = 20'000;
     scene.seed = static_cast<std::uint64_t>(k);
@@ -422,10 +429,7 @@ TEST(RandomWalk, SingleScatteringOfSeveralSpeciesIsTheCoresFlakeBrdf) {
       const Vec3<double> n =
           direction(random.uniform(0, 2 * paint.species(species).tilt) * 180 / kPi,
                     random.uniform(0, 2 * kPi));
-      const Vec3<double> v = n * (2 * dot(n, l)) - l;
-      const double sine = eta * std::hypot(v.x, v.y);
-      if (v.z <= 0 || sine > 0.98) continue;
-      scene.detectors.push_back({eta * v.x, eta * v.y, std::sqrt(1 - sine * sine)});
+      add_detector(scene, n, l);
     }
     scene.photons = 20'000;
     scene.seed = static_cast<std::uint64_t>(k);

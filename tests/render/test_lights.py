@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
+from lamps import add_lamp
 from mathutils import Euler, Matrix, Vector
 from metallic_paint import lights, material, shader
 from metallic_paint.paint import Paint
@@ -24,15 +25,7 @@ EPSILON = 2e-6  # of a direction in single precision
 @pytest.fixture
 def place() -> Place:
     """Puts a light into the scene: place("SUN", "Name", rotation_euler=…, energy=…)."""
-
-    def run(kind: str, name: str, **values: object) -> bpy.types.Object:
-        light = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-        bpy.context.scene.collection.objects.link(light)
-        for key, value in values.items():
-            setattr(light.data if hasattr(light.data, key) else light, key, value)
-        return light
-
-    return run
+    return add_lamp
 
 
 @pytest.fixture

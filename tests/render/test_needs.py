@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 import verify_scenes
+from lamps import add_lamp
 from mathutils import Matrix
 from metallic_paint import lights, material, needs, verify
 from metallic_paint.paint import Paint
@@ -20,14 +21,6 @@ SIZE = 48
 
 def add_sun(name: str = "Sun", **values: object) -> bpy.types.Object:
     return add_lamp("SUN", name, **values)
-
-
-def add_lamp(kind: str, name: str, **values: object) -> bpy.types.Object:
-    lamp = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-    bpy.context.scene.collection.objects.link(lamp)
-    for key, value in values.items():
-        setattr(lamp.data if hasattr(lamp.data, key) else lamp, key, value)
-    return lamp
 
 
 def add_mesh(corners: list, faces: list, name: str = "Mesh") -> bpy.types.Object:

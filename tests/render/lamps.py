@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps for the tests' scenes."""
+
+from __future__ import annotations
+
+import bpy
+
+
+def add_lamp(kind: str, name: str, **values: object) -> bpy.types.Object:
+    """A lamp in the scene; the values are its data's, or else the object's."""
+    lamp = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    bpy.context.scene.collection.objects.link(lamp)
+    for key, value in values.items():
+        setattr(lamp.data if hasattr(lamp.data, key) else lamp, key, value)
+    return lamp
