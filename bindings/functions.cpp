@@ -188,7 +188,7 @@ coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)d
 
 contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,) pixels.)doc");
   module.def(
-      "mixture_albedo",
+      "mixture",
       [](const Paint& paint, py::handle substrates, py::handle cos_view) {
         metallic_paint::validate(paint);
         const auto rho = from_python<std::array<double, 3>>("substrate", substrates, kThreeNumbers);
@@ -197,19 +197,27 @@ contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,)
         const Layer<double> layer = make_layer<double>(paint);
         const Array<double> cosines = numbers("cos_view", cos_view);
         std::vector<py::ssize_t> shape(cosines.shape(), cosines.shape() + cosines.ndim());
+        py::array_t<double> alpha(shape);
         shape.push_back(3);
-        py::array_t<double> albedo(shape);
-        double* out = albedo.mutable_data();
+        py::array_t<double> diffuse(shape), glossy(shape);
+        double *to_diffuse = diffuse.mutable_data(), *to_glossy = glossy.mutable_data();
         for (py::ssize_t i = 0; i < cosines.size(); ++i) {
           validate_cosine(cosines.data()[i]);
-          const Rgb<double> m = mixture_albedo(layer, substrate, cosines.data()[i]);
-          for (const double x : {m.x, m.y, m.z}) *out++ = x;
+          const Mixture<double> m = mixture(layer, substrate, cosines.data()[i]);
+          for (const double x : {m.diffuse.x, m.diffuse.y, m.diffuse.z}) *to_diffuse++ = x;
+          for (const double x : {m.glossy.x, m.glossy.y, m.glossy.z}) *to_glossy++ = x;
+          alpha.mutable_data()[i] = m.alpha;
         }
-        return albedo;
+        py::dict found;
+        found["diffuse"] = diffuse;
+        found["glossy"] = glossy;
+        found["alpha"] = alpha;
+        return found;
       },
       py::arg("paint"), py::arg("substrate"), py::arg("cos_view"),
-      R"doc(The albedo (..., 3) of the paint's diffuse lobe at the outside cosines (...) of the view.
+      R"doc(What neither the binder's surface nor a single flake reflects, as two lobes.
 
-substrate (3,): albedo of the Lambertian substrate. The lobe holds the substrate and all light
-scattered several times: what neither the binder's surface nor a single flake reflects.)doc");
+substrate (3,): albedo of the Lambertian substrate; cos_view (...): outside cosines of the view.
+The albedos diffuse (..., 3) of a Lambertian lobe: substrate and pigment; glossy (..., 3) of one of
+GGX microfacets scaled to reflect all: several flakes; and that one's roughness alpha (...).)doc");
 }

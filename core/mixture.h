@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The diffuse part of the whole paint: the substrate seen through the flakes, and light scattered
-// several times between flakes, pigment, substrate and the binder's surface. As a Lambertian lobe
-// that is one number per colour and view, M(v): under a uniform world of radiance 1 the paint shows
+// The rest of the whole paint's light: what the substrate scatters, seen through the flakes, and
+// what is scattered several times between flakes, pigment, substrate and the binder's surface. By
+// the view it is one number per colour, M(v): under a uniform world of radiance 1 the paint shows
 //   r_s(v) + E(v) + M(v),
 // r_s the binder's reflection, E the flakes' single scattering (the integral of their BRDF). In a
-// lossless paint that is 1.
+// lossless paint that is 1. What substrate and pigment have scattered is a Lambertian lobe; what
+// only flakes have mirrored still leans towards the mirror direction and keeps the paint's flop: a
+// lobe of GGX microfacets that are scaled to reflect all.
 //
 // Light in the layer is of three kinds: g, about the direction of the view; and what substrate and
 // pigment send, c inside the cone that the surface lets out and o outside it, totally reflected
@@ -31,6 +33,9 @@
 // 0.06 (coverages above 1), where one direction stands for all that leave a film that turns over
 // with the angle. tests/core/mixture_test.cpp holds the walk to 0.03, lossless paints and mica to
 // 0.01 and silica to 0.08.
+// By angle: the root mean square of the error in lightness L* over 20 directions, of single flakes
+// and mixture over black (100 paints without pigment, 3 lights), is 1.5 in the mean, 5.5 in 95 %
+// and 14 at worst, under grazing light; with one Lambertian lobe it would be 5.8, 21 and 40.
 #pragma once
 
 #include <algorithm>
@@ -226,6 +231,7 @@ LayerShares<T> layer_shares(T mirror, T loss) {
 template <class T>
 struct FlakeRates {
   T coverage{}, cos_sum{};                  // D H <S>; times <cos beta>
+  T turn_sum{};                             // coverage times the square of a typical tilt
   T escaping_sum{}, path_sum{};             // coverage times Mirroring's
   Rgb<T> escaping{}, inside{}, outside{};   // g: S by what becomes of it at the surface
   Rgb<T> loss{};                            // g: K
@@ -266,6 +272,8 @@ void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& o
   const Rgb<T> t_trapped = coating_transmittance(coating, trapped_cosine);
   rates.coverage = rates.coverage + coverage;
   rates.cos_sum = rates.cos_sum + coverage * cone_area;
+  const T body = orientation.kind == Orientation::ggx ? T(0.5) : T(1);
+  rates.turn_sum = rates.turn_sum + coverage * (1 - cone_area) * body;
   rates.escaping_sum = rates.escaping_sum + coverage * mirrored.escaping;
   rates.path_sum = rates.path_sum + coverage * mirrored.exit_path;
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
@@ -292,10 +300,16 @@ void add_flakes(FlakeRates<T>& rates, T coverage, const OrientationDensity<T>& o
 // the flakes has forgotten the view: a fit to the walk, flat from 10 to 40.
 inline constexpr double kForgetting = 20;
 
-// M/(1 - r_s) in the colour `c`.
+// M/(1 - r_s) in one colour, and the part of it in the glossy lobe.
 template <class T>
-T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurface<T>& surface,
-                  T absorption, T rayleigh, T substrate, T cos_in) {
+struct MixtureShares {
+  T whole, glossy;
+};
+
+template <class T>
+MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
+                                 const DiffuseSurface<T>& surface, T absorption, T rayleigh,
+                                 T substrate, T cos_in) {
   // The mean of 1/cosine of Lambertian light: in the cone 2/(1 + critical), outside 2/critical.
   const T pigment_back = rayleigh / 2;
   const T cone_path = 2 / (1 + surface.critical);
@@ -339,6 +353,7 @@ T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurfa
     inside = flakes.inside.*c / flake_mirror;
   }
   T outside = std::max(1 - escape - inside, T(0));
+  T unpigmented = 0;  // of what is mirrored, by flakes alone
   if (about.mirrored > 0) {
     // Mirrored more than once, it nears the shares of Lambertian light.
     const T once =
@@ -348,10 +363,12 @@ T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurfa
     escape = escape + (lambertian - escape) * forgotten;
     inside = inside - inside * forgotten;
     outside = outside + ((1 - lambertian) - outside) * forgotten;
+    unpigmented = escape + outside * trapped_out;
     if (pigment_back > 0) {
       // What no pigment has touched is what comes back if pigment only absorbs.
       const T pure = layer_shares(flake_mirror, loss + rayleigh / cos_in).mirrored;
       const T touched = 1 - std::min(pure / about.mirrored, T(1));
+      unpigmented = unpigmented * (1 - touched);
       escape = escape + (from_pigment - escape) * touched;
       inside = inside - inside * touched;
       outside = outside + ((1 - from_pigment) - outside) * touched;
@@ -377,12 +394,36 @@ T mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c, const DiffuseSurfa
   const T depth = flakes.depth.*c + (absorption + rayleigh) * (1 / cos_in + exit_path);
   // Nothing to clamp in a lossless paint, whose albedo is 1; in others E's own estimate exceeds
   // a dark albedo by 1e-3 at most.
-  return std::max(albedo - flakes.single.*c * mean_transmittance(depth), T(0));
+  const T single = flakes.single.*c * mean_transmittance(depth);
+  const T whole = std::max(albedo - single, T(0));
+  return {whole, std::clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
 }
 
-// M(v) for the outside cosine of the view; substrate: its albedo.
+// GGX's alpha of the glossy lobe, which is broader than that of single flakes: each mirroring more
+// adds its tilt, so that alpha^2 goes with the square of a typical tilt (half of ggx's is in its
+// tail) times two or three; refraction magnifies that by eta^2, and alpha stays below 1. A fit. At
+// least as wide as the sun: a mirrored lamp without size would be a speck that samples miss.
+inline constexpr double kStretch = 0.39;
+inline constexpr double kLeastRoughness = 0.005;
 template <class T>
-Rgb<T> mixture_albedo(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
+T glossy_roughness(const FlakeRates<T>& flakes, T eta, T cos_view) {
+  if (!(flakes.coverage > 0)) return 1;
+  const T mirrorings = 2 + flakes.coverage / (1 + flakes.coverage);
+  const T stretch = T(kStretch) * eta * (4 - cos_view);
+  const T square = flakes.turn_sum / flakes.coverage * mirrorings * (stretch * stretch);
+  return std::max(std::sqrt(square / (1 + square)), T(kLeastRoughness));
+}
+
+// M(v) = diffuse + glossy.
+template <class T>
+struct Mixture {
+  Rgb<T> diffuse{}, glossy{};  // albedos of the two lobes
+  T alpha = 1;                 // of the glossy one
+};
+
+// For the outside cosine of the view; substrate: its albedo.
+template <class T>
+Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   const T eta = layer.eta;
   const T g = eta_cos_refracted(cos_view, eta);
   if (!(cos_view > T(kLeastCosine)) || !(g > 0)) return {};
@@ -396,11 +437,19 @@ Rgb<T> mixture_albedo(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   }
   const T entered = fresnel_transmittance(cos_view, g, eta);
   const T rayleigh = layer.rayleigh_depth;
+  Mixture<T> sum;
   const auto channel = [&](T Rgb<T>::* c) {
     const T absorption = std::max(layer.binder_depth.*c - rayleigh, T(0));
-    return entered * mixture_channel(rates, c, surface, absorption, rayleigh, substrate.*c, cos_in);
+    const MixtureShares<T> shares =
+        mixture_channel(rates, c, surface, absorption, rayleigh, substrate.*c, cos_in);
+    sum.diffuse.*c = entered * (shares.whole - shares.glossy);
+    sum.glossy.*c = entered * shares.glossy;
   };
-  return {channel(&Rgb<T>::x), channel(&Rgb<T>::y), channel(&Rgb<T>::z)};
+  channel(&Rgb<T>::x);
+  channel(&Rgb<T>::y);
+  channel(&Rgb<T>::z);
+  sum.alpha = glossy_roughness(rates, eta, cos_view);
+  return sum;
 }
 
 }  // namespace metallic_paint

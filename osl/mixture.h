@@ -200,6 +200,7 @@ LayerShares layer_shares(float mirror, float loss)
 struct FlakeRates {
   float coverage;
   float cos_sum;
+  float turn_sum;
   float escaping_sum;
   float path_sum;
   color escaping;
@@ -219,6 +220,7 @@ FlakeRates no_flakes()
   FlakeRates rates;
   rates.coverage = 0.0;
   rates.cos_sum = 0.0;
+  rates.turn_sum = 0.0;
   rates.escaping_sum = 0.0;
   rates.path_sum = 0.0;
   rates.escaping = color(0.0);
@@ -265,6 +267,8 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   color t_trapped = coating_transmittance(coating, library, trapped_cosine);
   rates.coverage = rates.coverage + coverage;
   rates.cos_sum = rates.cos_sum + coverage * cone_area;
+  float body = orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
+  rates.turn_sum = rates.turn_sum + coverage * (1.0 - cone_area) * body;
   rates.escaping_sum = rates.escaping_sum + coverage * mirrored.escaping;
   rates.path_sum = rates.path_sum + coverage * mirrored.exit_path;
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
@@ -286,8 +290,13 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.depth = rates.depth + (color(1.0) - passed) * (flux * area + cone_flux);
 }
 
+struct MixtureShares {
+  float whole;
+  float glossy;
+};
+
 // In the colour channel c: 0, 1, 2.
-float mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
+MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
                       float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
@@ -326,6 +335,7 @@ float mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float ab
     inside = flakes.inside[c] / flake_mirror;
   }
   float outside = max(1.0 - escape - inside, 0.0);
+  float unpigmented = 0.0;
   if (about.mirrored > 0.0) {
     float once = min(mirror * mean_transmittance(2.0 * (mirror + loss)) / about.mirrored, 1.0);
     float turns = FORGETTING * (1.0 - mean_cos);
@@ -333,9 +343,11 @@ float mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float ab
     escape = escape + (lambertian - escape) * forgotten;
     inside = inside - inside * forgotten;
     outside = outside + ((1.0 - lambertian) - outside) * forgotten;
+    unpigmented = escape + outside * trapped_out;
     if (pigment_back > 0.0) {
       LayerShares pure = layer_shares(flake_mirror, loss + rayleigh / cos_in);
       float touched = 1.0 - min(pure.mirrored / about.mirrored, 1.0);
+      unpigmented = unpigmented * (1.0 - touched);
       escape = escape + (from_pigment - escape) * touched;
       inside = inside - inside * touched;
       outside = outside + ((1.0 - from_pigment) - outside) * touched;
@@ -356,15 +368,42 @@ float mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float ab
   if (flakes.escaping_sum > 0.0)
     exit_path = flakes.path_sum / flakes.escaping_sum;
   float depth = flakes.depth[c] + (absorption + rayleigh) * (1.0 / cos_in + exit_path);
-  return max(albedo - flakes.single[c] * mean_transmittance(depth), 0.0);
+  float single = flakes.single[c] * mean_transmittance(depth);
+  MixtureShares shares;
+  shares.whole = max(albedo - single, 0.0);
+  shares.glossy = clamp(about.mirrored * unpigmented / exits - single, 0.0, shares.whole);
+  return shares;
 }
 
-color mixture_albedo(Layer layer, Flakes flakes[SPECIES], float library[], color substrate, float cos_view)
+#define STRETCH 0.39
+#define LEAST_ROUGHNESS 0.005
+
+float glossy_roughness(FlakeRates flakes, float eta, float cos_view)
 {
+  if (!(flakes.coverage > 0.0))
+    return 1.0;
+  float mirrorings = 2.0 + flakes.coverage / (1.0 + flakes.coverage);
+  float stretch = STRETCH * eta * (4.0 - cos_view);
+  float square = flakes.turn_sum / flakes.coverage * mirrorings * (stretch * stretch);
+  return max(sqrt(square / (1.0 + square)), LEAST_ROUGHNESS);
+}
+
+struct Mixture {
+  color diffuse_albedo;
+  color glossy_albedo;
+  float alpha;
+};
+
+Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color substrate, float cos_view)
+{
+  Mixture sum;
+  sum.diffuse_albedo = color(0.0);
+  sum.glossy_albedo = color(0.0);
+  sum.alpha = 1.0;
   float eta = layer.eta;
   float g = eta_cos_refracted(cos_view, eta);
   if (!(cos_view > LEAST_COSINE) || !(g > 0.0))
-    return color(0.0);
+    return sum;
   float cos_in = clamp(g / eta, LEAST_COSINE, 1.0);
   DiffuseSurface surface = diffuse_surface(eta);
   FlakeRates rates = no_flakes();
@@ -375,10 +414,12 @@ color mixture_albedo(Layer layer, Flakes flakes[SPECIES], float library[], color
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
-  color albedo = 0.0;
   for (int c = 0; c < 3; ++c) {
     float absorption = max(layer.binder_depth[c] - rayleigh, 0.0);
-    albedo[c] = entered * mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
+    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
+    sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
+    sum.glossy_albedo[c] = entered * shares.glossy;
   }
-  return albedo;
+  sum.alpha = glossy_roughness(rates, eta, cos_view);
+  return sum;
 }

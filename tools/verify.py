@@ -71,7 +71,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     names = lights.fill(scene).slots
     label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)
-    report += check_diffuse(label, spec, probe, geometry)
+    report += check_mixture(label, spec, probe, geometry)
 
     for light, lamp in enumerate(names):
         comparison, sums, shown = None, Sums.zero(), None
@@ -225,13 +225,16 @@ def check_passes(label: str, probe: verify.Probe, geometry: verify.Geometry) -> 
     ]
 
 
-def check_diffuse(
+def check_mixture(
     label: str, spec: verify_scenes.Scene, probe: verify.Probe, geometry: verify.Geometry
 ) -> list[bars.Bar]:
     """What substrate and mixtures reflect, and the factor of their texture, against the core."""
     paint, hit = spec.paint, geometry.hit
     cosine = (geometry.normal[hit] * geometry.view[hit]).sum(axis=-1)
-    wanted = core.mixture_albedo(core_paint(paint), paint.substrate_color, np.clip(cosine, 1e-4, 1))
+    wanted = core.mixture(core_paint(paint), paint.substrate_color, np.clip(cosine, 1e-4, 1))
+    if paint.composition == "published":
+        wanted["diffuse"] += wanted["glossy"]
+        wanted["glossy"][...] = 0
     factor = 1.0
     report = []
     if paint.texture_contrast > 0:
@@ -246,10 +249,18 @@ def check_diffuse(
                          float(np.abs(found / factor - 1)[inside].max()), 1e-5)
         )  # fmt: skip
         factor = found[:, np.newaxis]
-    found = probe.image(verify.DIFFUSE)[hit] / factor
     # 1e-4 of white: float against double, and the cosine by another sum.
-    report.append(bars.at_most(f"{label}: error of the diffuse albedo",
-                               float(np.abs(found - wanted).max()), 1e-4))  # fmt: skip
+    for lobe, shown in (("diffuse", verify.DIFFUSE), ("glossy", verify.GLOSSY)):
+        found = probe.image(shown)[hit] / factor
+        report.append(
+            bars.at_most(f"{label}: error of the {lobe} albedo",
+                         float(np.abs(found - wanted[lobe]).max()), 1e-4)
+        )  # fmt: skip
+    found = probe.image(verify.ROUGHNESS)[hit][:, 0]
+    report.append(
+        bars.at_most(f"{label}: error of the glossy lobe's roughness",
+                     float(np.abs(found - wanted["alpha"]).max()), 1e-4)
+    )  # fmt: skip
     return report
 
 

@@ -24,7 +24,7 @@ from . import lights, material, shader
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
-IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE = range(10, 17)
+IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE, GLOSSY, ROUGHNESS = range(10, 19)
 LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
 
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).

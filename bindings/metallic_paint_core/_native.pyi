@@ -142,9 +142,13 @@ def explicit_flakes(
 def flake_brdf(
     paint: Paint, normal: ArrayLike, view: ArrayLike, light: ArrayLike
 ) -> NDArray[np.float64]: ...
-def mixture_albedo(
-    paint: Paint, substrate: ArrayLike, cos_view: ArrayLike
-) -> NDArray[np.float64]: ...
+
+class Mixture(TypedDict):
+    diffuse: NDArray[np.float64]  # (..., 3): albedo of the Lambertian lobe
+    glossy: NDArray[np.float64]  # (..., 3): of the lobe of GGX microfacets that reflect all
+    alpha: NDArray[np.float64]  # (...): roughness of that lobe
+
+def mixture(paint: Paint, substrate: ArrayLike, cos_view: ArrayLike) -> Mixture: ...
 def hash_words(
     x: ArrayLike,
     y: ArrayLike,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The diffuse lobe of the whole paint, through Python."""
+"""What substrate, pigment and several flakes scatter, through Python."""
 
 import math
 
@@ -25,18 +25,21 @@ def test_it_is_what_the_random_walk_leaves_beside_single_flakes(paint: core.Pain
         light = [math.sqrt(1 - cosine * cosine), 0, cosine]
         walk = core.random_walk(paint, light, substrate=substrate, photons=200_000, seed=5)
         expected = walk["albedo"] - walk["albedo_single_flake"]
-        found = core.mixture_albedo(paint, substrate, cosine)
+        mixture = core.mixture(paint, substrate, cosine)
+        found = mixture["diffuse"] + mixture["glossy"]
         # 0.03 is the model's own error (core/mixture.h); the walk's is below 0.002 here.
         np.testing.assert_allclose(found, expected, rtol=0, atol=0.035)
         assert (expected > 0.02).all()
+        assert (mixture["glossy"] > 0).all()
 
 
 def test_it_has_the_shape_of_the_cosines_with_a_colour_each() -> None:
     cosines = np.linspace(0.1, 1, 6).reshape(2, 3)
-    albedo = core.mixture_albedo(core.Paint(), (0.5, 0.5, 0.5), cosines)
-    assert albedo.shape == (2, 3, 3)
-    one = core.mixture_albedo(core.Paint(), (0.5, 0.5, 0.5), cosines[1, 2])
-    np.testing.assert_array_equal(albedo[1, 2], one)
+    many = core.mixture(core.Paint(), (0.5, 0.5, 0.5), cosines)
+    one = core.mixture(core.Paint(), (0.5, 0.5, 0.5), cosines[1, 2])
+    for name, shape in {"diffuse": (2, 3, 3), "glossy": (2, 3, 3), "alpha": (2, 3)}.items():
+        assert many[name].shape == shape
+        np.testing.assert_array_equal(many[name][1, 2], one[name])
 
 
 @pytest.mark.parametrize(
@@ -51,4 +54,4 @@ def test_it_has_the_shape_of_the_cosines_with_a_colour_each() -> None:
 )
 def test_a_bad_argument_is_named(substrate: tuple, cosine: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        core.mixture_albedo(core.Paint(), substrate, cosine)
+        core.mixture(core.Paint(), substrate, cosine)

@@ -60,8 +60,8 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   const auto drawn =
       draw_sparkles(expected, layer.flakes[0].area_spread, stream_key(1, 0, 2, 3), 5, 7);
   const auto all = sparkle(layer, point, pass_between(layer, point, scene.seen<T>()), 0, 1, 2);
-  const Rgb<T> mixture = mixture_albedo(layer, Rgb<T>{T(0.9), T(0.5), T(0.02)},
-                                        std::max(dot(point.normal, point.view), T(0)));
+  const Mixture<T> scattered = mixture(layer, Rgb<T>{T(0.9), T(0.5), T(0.02)},
+                                       std::max(dot(point.normal, point.view), T(0)));
   const T shine = highlight(point.normal, point.view, Vec3<T>(scene.light),
                             static_cast<T>(scene.light_sine) / 4, T(0.3), T(0.5));
   const Rgb<T> brdf =
@@ -81,8 +81,10 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   ASSERT_LE(max_component(drawn.radiance), expected.ceiling) << type << ' ' << scene;
   ASSERT_TRUE(sound(all.radiance)) << type << " all " << all.radiance.x << ' ' << scene;
   ASSERT_TRUE(sound(all.mean_radiance)) << type << " all " << all.mean_radiance.x << ' ' << scene;
-  ASSERT_TRUE(sound(mixture)) << type << " mixture " << mixture.x << ' ' << scene;
-  ASSERT_LE(max_component(mixture), T(1)) << type << ' ' << scene;
+  ASSERT_TRUE(sound(scattered.diffuse)) << type << ' ' << scattered.diffuse.x << ' ' << scene;
+  ASSERT_TRUE(sound(scattered.glossy)) << type << ' ' << scattered.glossy.x << ' ' << scene;
+  ASSERT_LE(max_component(scattered.diffuse + scattered.glossy), T(1)) << type << ' ' << scene;
+  ASSERT_TRUE(scattered.alpha > 0 && scattered.alpha <= 1) << type << ' ' << scattered.alpha;
   ASSERT_TRUE(sound(shine)) << type << " highlight " << shine << ' ' << scene;
   ASSERT_TRUE(sound(lobe.weight)) << type << " lobe " << lobe.weight.x << ' ' << scene;
   ASSERT_TRUE(sound(brdf)) << type << ' ' << brdf.x << ' ' << scene;

@@ -152,7 +152,7 @@ def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> N
 
 
 @pytest.mark.parametrize("k", range(0, len(PAINTS), 2))
-def test_the_diffuse_lobe_has_the_cores_albedo(k: int) -> None:
+def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
     paint = dataclasses.replace(
         PAINTS[k],
         coating=("colors", "aluminium", "tio2-on-mica", "fe2o3-on-silica")[k // 2 % 4],
@@ -162,11 +162,14 @@ def test_the_diffuse_lobe_has_the_cores_albedo(k: int) -> None:
         substrate_color=(0.1, 0.5, 0.9),
     )
     probe = scene_with(paint, elevation=(90, 60, 35, 20)[k % 4])
-    expected = core.mixture_albedo(core_paint(paint), (0.1, 0.5, 0.9), view_of(probe)[2])
+    expected = core.mixture(core_paint(paint), (0.1, 0.5, 0.9), view_of(probe)[2])
     probe.scene.cycles.samples = 1
-    shown = probe.image(verify.DIFFUSE).reshape(-1, 3)
-    # Rounding in float, which core/mixture.h's test holds to 2e-5, and of the view.
-    np.testing.assert_allclose(shown, np.broadcast_to(expected, shown.shape), rtol=0, atol=1e-4)
+    inner = {"diffuse": verify.DIFFUSE, "glossy": verify.GLOSSY, "alpha": verify.ROUGHNESS}
+    for name, diagnostic in inner.items():
+        shown = probe.image(diagnostic).reshape(-1, 3)
+        wanted = np.broadcast_to(expected[name], shown.shape)
+        # Rounding in float, which core/mixture.h's test holds to 2e-5, and of the view.
+        np.testing.assert_allclose(shown, wanted, rtol=0, atol=1e-4)
 
 
 @pytest.mark.parametrize("k", range(0, len(PAINTS), 4))

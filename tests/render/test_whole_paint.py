@@ -6,11 +6,13 @@ from __future__ import annotations
 import dataclasses
 
 import bpy
+import goniophotometer
+import metallic_paint_core as core
 import numpy as np
 import pytest
 import verify_scenes
-from metallic_paint import material, verify
-from metallic_paint.paint import Flakes, Paint
+from metallic_paint import material, needs, presets, verify
+from metallic_paint.paint import Flakes, Paint, core_paint
 
 SIZE = 64
 WHITE = (1.0, 1.0, 1.0)
@@ -70,13 +72,45 @@ def test_a_lossless_paint_vanishes_in_a_white_world(name: str) -> None:
         assert (off < 0.01 + 3 * error).all(), (elevation, picture.mean(axis=0))
 
 
+# --- flop --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["silver-fine", "candy-red", "copper"])
+def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
+    """Lightness under a sun at 45 degrees, so far away that no flake shows."""
+    paint = presets.load(name)
+    angles = (15, 25, 45, 75, 110)
+    found = []
+    for aspecular in angles:
+        # Beyond the normal, the camera is on the sun's side.
+        beyond = aspecular > 45
+        lamps = (verify_scenes.sun("Sun", 45, -90 if beyond else 90),)
+        elevation = 135 - aspecular if beyond else 45 + aspecular
+        probe = probe_of(
+            dataclasses.replace(PLANE, paint=paint, lamps=lamps, elevation=elevation, width=1)
+        )
+        needs.fit(probe.scene)
+        probe.scene.cycles.samples = 4
+        irradiance = bpy.data.lights["Sun"].energy * np.sin(np.radians(45))
+        found.append(np.pi * verify.render(probe.scene).reshape(-1, 3).mean(axis=0) / irradiance)
+    detectors = [goniophotometer.direction(np.radians(45 - a)) for a in angles]
+    walk = core.random_walk(
+        core_paint(paint), goniophotometer.direction(-np.radians(45)), detectors=detectors,
+        substrate=paint.substrate_color, photons=400_000,
+    )  # fmt: skip
+    lightness = goniophotometer.lab(np.array(found))[:, 0]
+    wanted = goniophotometer.lab(np.pi * walk["brdf"])[:, 0]
+    # Of silver-fine at 110 degrees, by the tail of GGX; a Lambertian lobe alone would be 24 off.
+    np.testing.assert_allclose(lightness, wanted, rtol=0, atol=6)
+
+
 # --- composition -------------------------------------------------------------------------------
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 LIT = dataclasses.replace(
     SPHERE,
     lamps=(verify_scenes.lamp("Point", "POINT", (-0.3, -0.6, 0.7)),),
-    paint=Paint(substrate_color=(0.6, 0.4, 0.3), flakes_per_mm2=800, coat_roughness=0.5, tilt=0.3),
+    paint=Paint(substrate_color=(0.6, 0.4, 0.3), flakes_per_mm2=250, coat_roughness=0.5, tilt=0.3),
 )
 # Near enough for single sparkles, and the lamp where the plane's middle mirrors it.
 NEAR = dataclasses.replace(
@@ -106,9 +140,10 @@ def test_a_pixel_shows_the_sum_or_the_greater_of_sparkles_and_the_rest(compositi
         wanted = np.maximum(sparkle_light, rest_light)
         probe.set("Composition", 1)
     found = verify.render(probe.scene) @ LUMINANCE
+    # Published, what several flakes mirror is Lambertian too: 1e-3 of the rest with so few flakes.
     np.testing.assert_allclose(found, wanted, rtol=2e-3, atol=1e-4 * wanted.max())
     # No sparkle is darker than what is around it would be without.
-    assert (found >= rest_light * (1 - 1e-5) - 1e-6).all()
+    assert (found >= rest_light * (1 - 2e-3)).all()
 
 
 # --- highlight ---------------------------------------------------------------------------------
