@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The diffuse part of the whole paint, the substrate through the flakes and all light scattered several times: see
-// core/mixture.h for the model, its derivation and its error.
+// What the substrate, pigment and several flakes scatter: see core/mixture.h for the model, its derivation and its
+// error.
 #pragma once
 
 #include "coating.h"
@@ -93,6 +93,7 @@ struct Mirroring {
   float cone;
   float escaping;
   float cos_alpha;
+  float cos2_alpha;
   float exit_path;
 };
 
@@ -102,6 +103,7 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   sum.cone = 0.0;
   sum.escaping = 0.0;
   sum.cos_alpha = 0.0;
+  sum.cos2_alpha = 0.0;
   sum.exit_path = 0.0;
   float node[3];
   float weight[3];
@@ -168,6 +170,7 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
+        sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
         sum.exit_path = sum.exit_path + path;
       }
     }
@@ -212,7 +215,6 @@ struct FlakeRates {
   color trapped_mirror;
   color trapped_loss;
   color single;
-  color depth;
 };
 
 FlakeRates no_flakes()
@@ -232,13 +234,26 @@ FlakeRates no_flakes()
   rates.trapped_mirror = color(0.0);
   rates.trapped_loss = color(0.0);
   rates.single = color(0.0);
-  rates.depth = color(0.0);
   return rates;
 }
 
 color lost_colour(color mirrored, color passed)
 {
   return max(color(1.0) - mirrored - passed, color(0.0));
+}
+
+color mean_reflectance(Coating coating, float library[], Mirroring mirrored, float cos_in)
+{
+  if (!(mirrored.escaping > 0.0))
+    return coating_reflectance(coating, library, cos_in);
+  float mean = min(mirrored.cos_alpha / mirrored.escaping, 1.0);
+  if (!is_clear(coating.kind))
+    return coating_reflectance(coating, library, mean);
+  float variance = mirrored.cos2_alpha / mirrored.escaping - mean * mean;
+  float deviation = sqrt(max(variance, 0.0));
+  return (coating_reflectance(coating, library, min(mean + deviation, 1.0)) +
+          coating_reflectance(coating, library, max(mean - deviation, 0.0))) *
+         0.5;
 }
 
 void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orientation, Coating coating,
@@ -256,10 +271,7 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   float cone_cosine = (1.0 + surface.critical) / 2.0;
   float trapped_cosine = surface.critical / 2.0;
   color r = coating_reflectance(coating, library, cos_in);
-  float escaping_cosine = cos_in;
-  if (mirrored.escaping > 0.0)
-    escaping_cosine = min(mirrored.cos_alpha / mirrored.escaping, 1.0);
-  color r_escaping = coating_reflectance(coating, library, escaping_cosine);
+  color r_escaping = mean_reflectance(coating, library, mirrored, cos_in);
   color r_cone = coating_reflectance(coating, library, cone_cosine);
   color r_trapped = coating_reflectance(coating, library, trapped_cosine);
   color t = coating_transmittance(coating, library, cos_in);
@@ -280,14 +292,6 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
   rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
-  color passed = t;
-  if (is_clear(coating.kind)) {
-    float exit_cosine = cos_in;
-    if (mirrored.exit_path > 0.0)
-      exit_cosine = min(mirrored.escaping / mirrored.exit_path, 1.0);
-    passed = mean_flake_transmittance(orientation, coating, library, (cos_in + exit_cosine) / 2.0);
-  }
-  rates.depth = rates.depth + (color(1.0) - passed) * (flux * area + cone_flux);
 }
 
 struct MixtureShares {
@@ -297,7 +301,7 @@ struct MixtureShares {
 
 // In the colour channel c: 0, 1, 2.
 MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
-                      float substrate, float cos_in)
+                              float slant, float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
   float cone_path = 2.0 / (1.0 + surface.critical);
@@ -364,11 +368,7 @@ MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, 
   float below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
   float albedo = upwards + substrate * down * below;
 
-  float exit_path = 1.0 / cos_in;
-  if (flakes.escaping_sum > 0.0)
-    exit_path = flakes.path_sum / flakes.escaping_sum;
-  float depth = flakes.depth[c] + (absorption + rayleigh) * (1.0 / cos_in + exit_path);
-  float single = flakes.single[c] * mean_transmittance(depth);
+  float single = flakes.single[c] * mean_transmittance(slant);
   MixtureShares shares;
   shares.whole = max(albedo - single, 0.0);
   shares.glossy = clamp(about.mirrored * unpigmented / exits - single, 0.0, shares.whole);
@@ -394,7 +394,8 @@ struct Mixture {
   float alpha;
 };
 
-Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color substrate, float cos_view)
+Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slant_view, color substrate,
+                float cos_view)
 {
   Mixture sum;
   sum.diffuse_albedo = color(0.0);
@@ -412,11 +413,15 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color subs
     if (some.coverage > 0.0)
       add_flakes(rates, some.coverage, some.orientation, some.coating, library, surface, cos_in, eta);
   }
+  float cos_exit = cos_in;
+  if (rates.path_sum > 0.0)
+    cos_exit = min(rates.escaping_sum / rates.path_sum, 1.0);
+  color slant = slant_view + slant_depth_of(layer, flakes, library, cos_exit);
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
   for (int c = 0; c < 3; ++c) {
     float absorption = max(layer.binder_depth[c] - rayleigh, 0.0);
-    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
+    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, slant[c], substrate[c], cos_in);
     sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
     sum.glossy_albedo[c] = entered * shares.glossy;
   }

@@ -121,7 +121,7 @@ TEST(Mixture, ALosslessPearlReflectsEverything) {
     see_furnace(on_mica ? mica : silica, paint, i % 3 == 0 ? 1 : random.uniform(0.05, 1));
   }
   mica.expect_at_most(0.01, "mica");
-  silica.expect_at_most(0.08, "silica");
+  silica.expect_at_most(0.07, "silica");
 }
 
 template <class MakePaint>
