@@ -22,7 +22,6 @@ template <class T>
 struct MirroredSample {
   Vec3<T> direction;  // outside, unit, away from the surface
   Rgb<T> weight{};    // what it shows of the radiance from there; 0 if it shows nothing
-  T tilt{};           // of the species that it is of
 };
 
 // A flake of a species drawn by covered area, and its normal m drawn from p, so the direction
@@ -52,7 +51,6 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     ++i;
   }
   const Flakes<T>& flakes = layer.flakes[i];
-  sample.tilt = flakes.orientation.tilt;
   const T rest = layer.species > 1 ? inside_unit(at / std::max(flakes.coverage, T(1e-30))) : u;
   const SampledTilt<T> tilt = sample_tilt(flakes.orientation, rest);
   const T h = tilt.sin2_half_beta;
