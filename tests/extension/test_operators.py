@@ -25,14 +25,10 @@ def linked_paint(addon: Addon, cube: bpy.types.Object, tmp_path: Path) -> bpy.ty
     bpy.ops.material.metallic_paint_new()
     file = str(tmp_path / "other.blend")
     bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    import addon_utils
-    from conftest import NAME
-
-    addon_utils.enable(NAME, default_set=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
     with bpy.data.libraries.load(file, link=True) as (_, into):
-        into.objects = [cube_name for cube_name in _.objects if cube_name == "Cube"]
-    thing = into.objects[0]
+        into.objects = ["Cube"]
+    [thing] = into.objects
     bpy.context.scene.collection.objects.link(thing)
     bpy.context.view_layer.objects.active = thing
     return thing
