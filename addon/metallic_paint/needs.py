@@ -99,21 +99,24 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     seen += [(lamp.name_full, lamp.data.type, lamp.hide_render) for lamp in lamps]
     seen += [
         (
-            shape.name_full, shape.hide_render, shape.instance_type, shape.instance_collection,
-            lights.is_painted(shape), _may_emit(shape), _may_hold_a_volume(shape),
+            shape.name_full, shape.type, shape.hide_render, shape.instance_type,
+            [modifier.type for modifier in shape.modifiers],
+            [slot.material and slot.material.name_full for slot in shape.material_slots],
         )
         for shape in shapes
     ]  # fmt: skip
+    materials = dict.fromkeys(each for shape in shapes for each in _materials(shape))
+    seen += [
+        (_material_may_emit(each), _has_volume(each), lights.holds_slots(each.node_tree))
+        for each in materials
+    ]
     if len(lamps) > lights.SLOTS or len(shapes) == 1:
-        seen += [_place(thing) for thing in (*lamps, *shapes)]
+        placed = (*lamps, *filter(lights.is_painted, shapes))
+        seen += [thing.matrix_world for thing in placed]
         seen += [_brightness(lamp) for lamp in lamps]
     if len(shapes) == 1:
         seen.append(_shape(shapes[0]))
     return hashlib.sha256(repr(seen).encode()).hexdigest()
-
-
-def _place(thing: bpy.types.Object) -> list[float]:
-    return [round(x, 5) for row in thing.matrix_world for x in row]
 
 
 def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
@@ -260,8 +263,12 @@ def _node_may_emit(node: bpy.types.Node) -> bool:
 def _may_hold_a_volume(thing: bpy.types.Object) -> bool:
     if thing.type == "VOLUME" or _makes_more(thing):
         return True
-    trees = [each.node_tree for each in _materials(thing) if each.node_tree]
-    outputs = [node for tree in trees for node in tree.nodes if node.type == "OUTPUT_MATERIAL"]
+    return any(map(_has_volume, _materials(thing)))
+
+
+def _has_volume(surface: bpy.types.Material) -> bool:
+    nodes = surface.node_tree.nodes if surface.node_tree else ()
+    outputs = [node for node in nodes if node.type == "OUTPUT_MATERIAL"]
     return any(node.inputs["Volume"].is_linked for node in outputs)
 
 

@@ -105,6 +105,33 @@ def test_excluded_collections_take_their_lights_along(addon: Addon) -> None:
     assert addon("lights").values() == []
 
 
+def test_lights_linked_from_another_file(addon: Addon, tmp_path: Path) -> None:
+    lamp = add("POINT", "Theirs", 3)
+    file = str(tmp_path / "lamps.blend")
+    bpy.data.libraries.write(file, {lamp})
+    bpy.data.objects.remove(lamp)
+    with bpy.data.libraries.load(file, link=True) as (_, into):
+        into.objects = ["Theirs"]
+    bpy.context.scene.collection.objects.link(into.objects[0])
+    update()
+    [(_, vector, _)] = addon("lights").values()
+    assert vector.x == 3
+
+
+def test_parented_and_animated_lights_follow_their_parent(addon: Addon) -> None:
+    bpy.ops.object.empty_add()
+    parent = bpy.context.object
+    for frame, x in ((1, 0), (11, 10)):
+        parent.location.x = x
+        parent.keyframe_insert("location", frame=frame)
+    add("POINT", "Lamp").parent = parent
+    update()
+    for frame, x in ((1, 0), (11, 10)):
+        bpy.context.scene.frame_set(frame)
+        [(_, vector, _)] = addon("lights").values()
+        assert vector.x == pytest.approx(x)
+
+
 def test_brighter_ninth_light_wins(addon: Addon) -> None:
     lamps = [add("POINT", f"Lamp {i}", 3 + i) for i in range(9)]
     assert "Lamp 8" not in slots(addon)
