@@ -105,6 +105,13 @@ def show_other_light(needed: bool) -> None:
     node_group().nodes[OTHER_LIGHT].outputs[0].default_value = float(needed)
 
 
+def are_fed() -> bool:
+    """Whether the light of every slot in use still exists."""
+    animation = node_group().animation_data
+    drivers = [curve.driver for curve in animation.drivers] if animation else []
+    return all(variable.targets[0].id for driver in drivers for variable in driver.variables)
+
+
 def values() -> list[tuple[float, Vector, float]]:
     """Kind, vector and size of the slots in use, as they stand."""
     group = node_group()

@@ -78,7 +78,9 @@ def fit(scene: bpy.types.Scene) -> Needs:
 def is_fitted(scene: bpy.types.Scene) -> bool:
     """Whether fit has nothing new to find, or the file has no paint of its own."""
     groups = lights.groups()
-    return not groups or (len(groups) == 1 and groups[0].get(_FITTED_TO) == _fingerprint(scene))
+    if len(groups) != 1:
+        return not groups
+    return groups[0].get(_FITTED_TO) == _fingerprint(scene) and lights.are_fed()
 
 
 def said() -> str:
@@ -87,7 +89,10 @@ def said() -> str:
 
 
 def _fingerprint(scene: bpy.types.Scene) -> str:
-    """Of what fit looks at. Places of lamps and paints count only where fit asks for them."""
+    """Of what fit looks at, by names, which outlive the session.
+
+    Places of lamps and paints, and the form of a mesh, count only where fit asks for them.
+    """
     layers = [layer for layer in scene.view_layers if layer.use]
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
@@ -96,10 +101,12 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [(lamp.name_full, lamp.data.type, lamp.hide_render) for lamp in lamps]
+    seen += [
+        (lamp.name_full, lamp.hide_render, lamp.data.name_full, lamp.data.type) for lamp in lamps
+    ]
     seen += [
         (
-            shape.name_full, shape.type, shape.hide_render, shape.instance_type,
+            shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),
             [modifier.type for modifier in shape.modifiers],
             [slot.material and slot.material.name_full for slot in shape.material_slots],
         )
@@ -117,6 +124,15 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     if len(shapes) == 1:
         seen.append(_shape(shapes[0]))
     return hashlib.sha256(repr(seen).encode()).hexdigest()
+
+
+def _instanced_lamps(thing: bpy.types.Object) -> list[str] | str:
+    """The lights that an instance of a collection multiplies; otherwise what kind of instancer."""
+    if thing.instance_collection is None:
+        return thing.instance_type
+    return [
+        each.name_full for each in thing.instance_collection.all_objects if each.type == "LIGHT"
+    ]
 
 
 def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:

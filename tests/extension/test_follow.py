@@ -64,6 +64,25 @@ def test_deleted_lights_leave_their_slot(addon: Addon) -> None:
     assert addon("lights").values() == []
 
 
+def test_light_of_the_same_name_takes_over(addon: Addon) -> None:
+    lamp = add("POINT", "Lamp", 1)
+    data = lamp.data
+    bpy.data.objects.remove(lamp)
+    bpy.data.lights.remove(data)
+    add("POINT", "Lamp", 5)
+    [(_, vector, _)] = addon("lights").values()
+    assert vector.x == 5
+
+
+def test_light_with_other_data_takes_its_radius(addon: Addon) -> None:
+    lamp = add("POINT", "Lamp")
+    lamp.data = bpy.data.lights.new("Other", "POINT")
+    lamp.data.shadow_soft_size = 0.75
+    update()
+    [(_, _, size)] = addon("lights").values()
+    assert size == 0.75
+
+
 def test_renamed_lights_move(addon: Addon) -> None:
     lamp, _ = add("POINT", "A", 1), add("POINT", "B", 2)
     lamp.name = "C"
@@ -259,7 +278,7 @@ def test_nothing_happens_while_rendering(
     def watch(*_: object) -> None:
         before = len(fits)
         scene.world = bpy.data.worlds.new("World")
-        addon("follow").follow()
+        assert addon("follow").follow() == addon("follow").REST_SECONDS  # the timer tries again
         during.append(len(fits) - before)
 
     bpy.app.handlers.render_pre.append(watch)
