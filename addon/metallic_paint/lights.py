@@ -66,6 +66,11 @@ def groups() -> list[bpy.types.ShaderNodeTree]:
     return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
+def version(group: bpy.types.NodeTree) -> int:
+    """Of a group of light slots, at least 1; 0 for other groups."""
+    return group.get(_MARK, 0)
+
+
 def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 

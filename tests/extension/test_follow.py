@@ -242,6 +242,13 @@ def test_saved_file_has_its_lights(addon: Addon, tmp_path: Path) -> None:
     assert slots(addon) == ["Sun"]
 
 
+def test_saved_file_knows_where_its_lights_stand(addon: Addon, tmp_path: Path) -> None:
+    lamps = [add("POINT", f"Lamp {i}", 3 + i) for i in range(9)]
+    lamps[8].location.x = 1.5  # and no update
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert "Lamp 8" in slots(addon)
+
+
 def test_opened_file_is_fitted_if_it_was_changed_elsewhere(addon: Addon, tmp_path: Path) -> None:
     addon_utils.disable(NAME)
     lamp = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
