@@ -57,10 +57,18 @@ def slot_names(slot: int) -> tuple[str, str, str]:
 
 def node_group() -> bpy.types.ShaderNodeTree:
     """The file's one group of light slots, made when there is none."""
-    for group in bpy.data.node_groups:
-        if group.get(_MARK) == VERSION and group.library is None:
-            return group
-    return _new_group()
+    return next(iter(groups()), None) or _new_group()
+
+
+def groups() -> list[bpy.types.ShaderNodeTree]:
+    """The file's own groups of light slots: none without a paint, several after an append."""
+    trees = bpy.data.node_groups
+    return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
+
+
+def version(group: bpy.types.NodeTree) -> int:
+    """Of a group of light slots, at least 1; 0 for other groups."""
+    return group.get(_MARK, 0)
 
 
 def fill(scene: bpy.types.Scene) -> Report:
@@ -100,6 +108,13 @@ def fill(scene: bpy.types.Scene) -> Report:
 def show_other_light(needed: bool) -> None:
     """Whether the flakes show light from elsewhere than the slots, until the next fill."""
     node_group().nodes[OTHER_LIGHT].outputs[0].default_value = float(needed)
+
+
+def are_fed() -> bool:
+    """Whether the light of every slot in use still exists."""
+    animation = node_group().animation_data
+    drivers = [curve.driver for curve in animation.drivers] if animation else []
+    return all(variable.targets[0].id for driver in drivers for variable in driver.variables)
 
 
 def values() -> list[tuple[float, Vector, float]]:
@@ -158,16 +173,16 @@ def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSo
 def _one_group() -> bpy.types.ShaderNodeTree:
     """The file's group; the copies that appended paints bring along become it."""
     group = node_group()
-    for other in list(bpy.data.node_groups):
-        if other != group and other.get(_MARK) == VERSION and other.library is None:
+    for other in groups():
+        if other != group:
             other.user_remap(group)
             bpy.data.node_groups.remove(other)
     return group
 
 
 def _linked_files() -> tuple[str, ...]:
-    groups = bpy.data.node_groups
-    return tuple(sorted({g.library.filepath for g in groups if _MARK in g and g.library}))
+    trees = bpy.data.node_groups
+    return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
 
 
 # --- drivers -----------------------------------------------------------------------------------
@@ -296,14 +311,15 @@ def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
 
 def is_painted(thing: bpy.types.Object) -> bool:
     materials = [slot.material for slot in thing.material_slots if slot.material]
-    return any(_holds_slots(each.node_tree) for each in materials)
+    return any(holds_slots(each.node_tree) for each in materials)
 
 
-def _holds_slots(tree: bpy.types.NodeTree | None) -> bool:
+def holds_slots(tree: bpy.types.NodeTree | None) -> bool:
+    """Whether there is a paint in the tree or in a group of it."""
     if tree is None:
         return False
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree]
-    return any(_MARK in group or _holds_slots(group) for group in groups)
+    return any(_MARK in group or holds_slots(group) for group in groups)
 
 
 def _irradiances(
