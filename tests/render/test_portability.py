@@ -24,7 +24,7 @@ SCRIPT = Path(__file__).with_name("open_and_render.py")
 
 
 def build() -> bpy.types.Scene:
-    """A ball, its flakes' colour by a texture, under a sun, a spot and a parented, animated lamp."""
+    """A ball, flakes coloured by a texture, under sun, spot and a parented, animated lamp."""
     scene = bpy.context.scene
     material.set_up_cycles(scene)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.02)
