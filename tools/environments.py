@@ -39,6 +39,11 @@ class Environment:
         return self.folder / "bin" / "python"
 
     @property
+    def wheels(self) -> Path:
+        """Where the bindings' wheel for this Python is built."""
+        return BUILD / f"wheels-{self.name}"
+
+    @property
     def installed(self) -> Path:
         """Holds the digest of what pip installed; only a whole environment has it."""
         return self.folder / ".requirements"
@@ -72,6 +77,7 @@ ACCURACY = Environment(
     "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
 )
 FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
+WHEELS = Environment("wheels", REQUIREMENTS / "wheels.txt", "auditwheel")
 
 
 def prepare_tool(environment: Environment) -> None:
@@ -138,7 +144,7 @@ def alone() -> Iterator[None]:
 
 
 def _install(environment: Environment, python: Path, extra: list[str]) -> None:
-    digest = _digest(_with_included(environment.requirements), extra)
+    digest = digest_of(_with_included(environment.requirements), extra)
     whole = environment.python.exists() and environment.installed.is_file()
     if whole and _is_current(environment.installed, digest):
         return
@@ -163,11 +169,11 @@ def _install(environment: Environment, python: Path, extra: list[str]) -> None:
 
 def _install_bindings(environment: Environment) -> None:
     stamp = environment.folder / ".bindings"
-    digest = _digest(_wheel_sources(), [environment.installed.read_text()])
-    if _is_current(stamp, digest):
+    digest = digest_of((ROOT / name for name in WHEEL_SOURCES), [environment.installed.read_text()])
+    wheels = environment.wheels
+    if _is_current(stamp, digest) and any(wheels.glob("*.whl")):
         return
     say(f"Building the bindings in {environment.folder.name}…")
-    wheels = BUILD / f"wheels-{environment.name}"
     shutil.rmtree(wheels, ignore_errors=True)
     pip = [environment.python, "-m", "pip"]
     options = ["--no-build-isolation", "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"]
@@ -196,13 +202,10 @@ def _with_included(requirements: Path) -> Iterator[Path]:
             yield from _with_included(requirements.parent / line.removeprefix("-r ").strip())
 
 
-def _wheel_sources() -> Iterator[Path]:
-    for path in (ROOT / name for name in WHEEL_SOURCES):
-        yield from path.rglob("*") if path.is_dir() else [path]
-
-
-def _digest(files: Iterable[Path], words: Iterable[str]) -> str:
+def digest_of(paths: Iterable[Path], words: Iterable[str] = ()) -> str:
+    """Of these files, of all that the folders among them hold, and of words."""
     digest = hashlib.sha256("\n".join(words).encode())
+    files = (file for path in paths for file in (path.rglob("*") if path.is_dir() else [path]))
     for file in sorted(files):
         if file.is_file() and "__pycache__" not in file.parts:
             digest.update(f"\n{file.relative_to(ROOT)}\n".encode() + file.read_bytes())

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -14,6 +15,7 @@ from xml.etree import ElementTree
 
 import checks
 import environments
+import extension
 from processes import (
     BUILD,
     LOGS,
@@ -132,12 +134,35 @@ def _fuzz(file: Path) -> Outcome:
 
 def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
     """One process for each file and Blender: bpy holds one scene, and a crash takes all of it."""
-    for room in ("bindings", "render"):
+    zipped = _Extension(blenders)
+    for room, test in (("bindings", _pytest), ("render", _pytest), ("extension", zipped.test)):
         for blender in blenders:
             for file in sorted((ROOT / "tests" / room).glob("test_*.py")):
                 name = f"{room} {file.stem.removeprefix('test_')}, Blender {blender.version}"
-                run = partial(_pytest, blender, file)
-                yield Group(name, run, beside=True)
+                yield Group(name, partial(test, blender, file), beside=True)
+
+
+class _Extension:
+    """The zip that tests/extension installs, built when the first of them needs it."""
+
+    def __init__(self, blenders: Sequence[environments.Blender]) -> None:
+        self._blenders = blenders
+        self._lock = threading.Lock()
+        self._problem: str | None = None  # empty: it is built
+
+    def test(self, blender: environments.Blender, file: Path) -> Outcome:
+        with self._lock:
+            if self._problem is None:
+                self._problem = self._build()
+        return Outcome(failed=1, report=[self._problem]) if self._problem else _pytest(blender, file)
+
+    def _build(self) -> str:
+        say("Building the extension…")
+        try:
+            extension.build(self._blenders, extension.TESTED)
+        except StepFailedError as error:
+            return str(error)
+        return ""
 
 
 def _pytest(blender: environments.Blender, file: Path) -> Outcome:

@@ -1,12 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Metallic paint with sparkling flakes for Cycles.
 
-paint.py     what a paint is: fields, units, ranges
-presets.py   paints as files
-shader.py    the OSL text, and its compilation into a script node
-material.py  the node group and the material around the shader
-lights.py    the lights that sparkle, fed to every paint of the file by drivers
-needs.py     what a scene requires of its paints; the rest is left out
+paint.py      what a paint is: fields, units, ranges
+presets.py    paints as files
+shader.py     the OSL text, and its compilation into a script node
+material.py   the node group and the material around the shader
+lights.py     the lights that sparkle, fed to every paint of the file by drivers
+needs.py      what a scene requires of its paints; the rest is left out
+migration.py  paints of older versions, made anew
 
-Nothing is registered yet: the interface comes with the extension.
+operators.py         new paints, the scene's lights, Cycles with OSL, updates
+preset_operators.py  presets: their menu, apply, load, save
+panel.py             the panel in material properties and shader editor, and the Add menu
+follow.py            lights that follow by themselves
+library.py           the asset library, in the add-on's preferences
 """
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+# Each has register() and unregister().
+_MODULES = ("operators", "preset_operators", "panel", "follow", "library")
+
+
+def register() -> None:
+    for module in _modules():
+        module.register()
+
+
+def unregister() -> None:
+    for module in reversed(_modules()):
+        module.unregister()
+
+
+def _modules() -> list[ModuleType]:
+    """Imported here: tools read presets where there is no Blender."""
+    return [importlib.import_module(f".{name}", __package__) for name in _MODULES]

@@ -57,10 +57,13 @@ def slot_names(slot: int) -> tuple[str, str, str]:
 
 def node_group() -> bpy.types.ShaderNodeTree:
     """The file's one group of light slots, made when there is none."""
-    for group in bpy.data.node_groups:
-        if group.get(_MARK) == VERSION and group.library is None:
-            return group
-    return _new_group()
+    return next(iter(groups()), None) or _new_group()
+
+
+def groups() -> list[bpy.types.ShaderNodeTree]:
+    """The file's own groups of light slots: none without a paint, several after an append."""
+    trees = bpy.data.node_groups
+    return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
 def fill(scene: bpy.types.Scene) -> Report:
@@ -158,16 +161,16 @@ def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSo
 def _one_group() -> bpy.types.ShaderNodeTree:
     """The file's group; the copies that appended paints bring along become it."""
     group = node_group()
-    for other in list(bpy.data.node_groups):
-        if other != group and other.get(_MARK) == VERSION and other.library is None:
+    for other in groups():
+        if other != group:
             other.user_remap(group)
             bpy.data.node_groups.remove(other)
     return group
 
 
 def _linked_files() -> tuple[str, ...]:
-    groups = bpy.data.node_groups
-    return tuple(sorted({g.library.filepath for g in groups if _MARK in g and g.library}))
+    trees = bpy.data.node_groups
+    return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
 
 
 # --- drivers -----------------------------------------------------------------------------------

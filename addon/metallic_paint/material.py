@@ -7,6 +7,7 @@ import hashlib
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from . import lights, shader
 from .paint import (
@@ -20,7 +21,11 @@ from .paint import (
     SPARKLE,
     SUBSTRATE,
     THIRD,
+    Color,
+    Flakes,
     Paint,
+    PaintError,
+    Parameter,
     shader_value,
     value_of,
 )
@@ -87,21 +92,28 @@ _EXTRAS = {
 
 def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
     """A new material with the paint's values."""
-    group = node_group()
+    node_group()  # raises before anything is made
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True  # Blender 4.5
     nodes = material.node_tree.nodes
     nodes.clear()
-    node = nodes.new("ShaderNodeGroup")
-    node.node_tree = group
-    node.name = NAME
-    node.width = 240
+    node = add_node(material.node_tree, paint)
     out = nodes.new("ShaderNodeOutputMaterial")
     out.location.x = 300
     material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
-    apply(node, paint)
     return material
+
+
+def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGroup:
+    """A new node with the paint's values, not yet connected."""
+    group = node_group()
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.name = NAME
+    node.width = 240
+    apply(node, paint)
+    return node
 
 
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
@@ -111,6 +123,36 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
         value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
         socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+
+
+def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
+    """The paint that the sockets hold; links and drivers on them are not part of it.
+
+    Raises PaintError with field, value and range where a socket holds what no paint can have.
+    """
+    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    fields: dict[str, dict[str, object]] = {"": {}, "second": {}, "third": {}}
+    for name, parameter in PARAMETERS.items():
+        species, _, field = name.rpartition(".")
+        fields[species][field] = _field(parameter, node.inputs[parameter.label])
+    paint = fields.pop("")
+    for species, values in fields.items():
+        try:
+            paint[species] = Flakes(**values)
+        except PaintError as error:
+            raise PaintError(f"{species}.{error}") from error
+    return Paint(**paint)
+
+
+def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | str | Color:
+    """The inverse of shader_value: a socket's value as the paint's field has it."""
+    value = socket.default_value
+    if parameter.choices:
+        return parameter.choices[min(max(value, 0), len(parameter.choices) - 1)]
+    if isinstance(value, int):
+        return value
+    numbers = tuple(float(str(np.float32(x))) for x in np.ravel(value)[:3])  # 0.1 as it was typed
+    return numbers if len(numbers) == 3 else numbers[0]
 
 
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
@@ -150,16 +192,42 @@ def set_up_cycles(scene: bpy.types.Scene) -> None:
     scene.cycles.shading_system = True
 
 
+def missing(scene: bpy.types.Scene) -> str:
+    """What the scene lacks to show a paint, in a sentence; empty if it renders with OSL."""
+    if scene.render.engine != "CYCLES":
+        return "The scene does not render with Cycles: the paint shows in Cycles only."
+    if not scene.cycles.shading_system:
+        return "Open Shading Language is off in this scene: the paint renders black."
+    cycles = bpy.context.preferences.addons.get("cycles")
+    has_gpu = cycles is not None and cycles.preferences.compute_device_type != "NONE"
+    if scene.cycles.device == "GPU" and has_gpu:
+        return "The scene renders on the GPU: the paint is tested on the CPU only."
+    return ""
+
+
+def digest(source: str) -> str:
+    """What tells apart the groups of two shaders."""
+    return hashlib.sha256(source.encode()).hexdigest()
+
+
+def is_current(group: bpy.types.ShaderNodeTree, source_digest: str) -> bool:
+    """Whether the paint's group has today's interface and the shader of that digest."""
+    return (group.get(_MARK), group.get(_SOURCE_MARK)) == (VERSION, source_digest)
+
+
+def version(group: bpy.types.NodeTree) -> int:
+    """Of a paint's group, at least 1; 0 for other groups."""
+    return group.get(_MARK, 0)
+
+
 def node_group() -> bpy.types.ShaderNodeTree:
     """The file's group with today's shader, made when there is none.
 
     Groups of other versions stay as they are: a paint keeps its look until its owner updates it.
     """
     text = shader.source()
-    digest = hashlib.sha256(text.encode()).hexdigest()
     for group in bpy.data.node_groups:
-        marks = (group.get(_MARK), group.get(_SOURCE_MARK))
-        if marks == (VERSION, digest) and group.library is None:
+        if is_current(group, digest(text)) and group.library is None:
             return group
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     try:
@@ -169,7 +237,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
         bpy.data.node_groups.remove(group)
         raise
     group[_MARK] = VERSION
-    group[_SOURCE_MARK] = digest
+    group[_SOURCE_MARK] = digest(text)
     return group
 
 

@@ -7,6 +7,7 @@ out only where there surely is no such light: what is not known counts as light.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -28,6 +29,10 @@ _MOST_TRIANGLES = 10_000  # of a mesh that is tested for convexity, which takes 
 _TRIANGLES_AT_ONCE = 500
 # What a face sees within this angle above its horizon is less than its square of all that it sees.
 _HORIZON = 1e-3
+
+
+# Custom properties of the group of light slots, which undo, files and copies keep with the slots.
+_FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 
 
 @dataclass(frozen=True)
@@ -65,25 +70,110 @@ def fit(scene: bpy.types.Scene) -> Needs:
     report = lights.fill(scene)
     needs = Needs(report, tuple(_other_light(scene, report)))
     lights.show_other_light(bool(needs.other_light))
+    group = lights.node_group()
+    group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
     return needs
+
+
+def is_fitted(scene: bpy.types.Scene) -> bool:
+    """Whether fit has nothing new to find, or the file has no paint of its own."""
+    groups = lights.groups()
+    return not groups or (len(groups) == 1 and groups[0].get(_FITTED_TO) == _fingerprint(scene))
+
+
+def said() -> str:
+    """What the last fit reported, in lines; empty before the first."""
+    return next((group.get(_SAID, "") for group in lights.groups()), "")
+
+
+def _fingerprint(scene: bpy.types.Scene) -> str:
+    """Of what fit looks at. Places of lamps and paints count only where fit asks for them."""
+    layers = [layer for layer in scene.view_layers if layer.use]
+    things = _things(layers)
+    lamps, shapes = _lamps(things), _shapes(things)
+    overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
+    seen: list[object] = [
+        scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
+        _world_may_shine(scene),
+    ]  # fmt: skip
+    seen += [(lamp.name_full, lamp.data.type, lamp.hide_render) for lamp in lamps]
+    seen += [
+        (
+            shape.name_full, shape.hide_render, shape.instance_type, shape.instance_collection,
+            lights.is_painted(shape), _may_emit(shape), _may_hold_a_volume(shape),
+        )
+        for shape in shapes
+    ]  # fmt: skip
+    if len(lamps) > lights.SLOTS or len(shapes) == 1:
+        seen += [_place(thing) for thing in (*lamps, *shapes)]
+        seen += [_brightness(lamp) for lamp in lamps]
+    if len(shapes) == 1:
+        seen.append(_shape(shapes[0]))
+    return hashlib.sha256(repr(seen).encode()).hexdigest()
+
+
+def _place(thing: bpy.types.Object) -> list[float]:
+    return [round(x, 5) for row in thing.matrix_world for x in row]
+
+
+def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
+    data = lamp.data
+    size = getattr(data, "shadow_soft_size", 0), getattr(data, "spot_size", 0)
+    shadow = data.use_shadow, lamp.light_linking.blocker_collection
+    return data.energy, *data.color, data.exposure, *size, *shadow
+
+
+def _shape(thing: bpy.types.Object) -> tuple[object, ...]:
+    """What _sees_nothing_of_itself looks at."""
+    pure = [slot.material and material.is_pure(slot.material) for slot in thing.material_slots]
+    seen = thing.name_full, pure, len(thing.modifiers), thing.visible_shadow
+    if thing.type != "MESH" or len(thing.data.polygons) > _MOST_TRIANGLES:
+        return seen
+    places = np.empty(3 * len(thing.data.vertices), dtype=np.float32)
+    thing.data.vertices.foreach_get("co", places)
+    corners = np.empty(len(thing.data.loops), dtype=np.int32)
+    thing.data.loops.foreach_get("vertex_index", corners)
+    form = hashlib.sha256(places.tobytes() + corners.tobytes()).hexdigest()
+    return *seen, thing.data.shape_keys is None, form
+
+
+def _things(layers: list[bpy.types.ViewLayer]) -> list[bpy.types.Object]:
+    things = (thing for layer in layers for thing in lights.rendered(layer, ever=True))
+    return list(dict.fromkeys(things))
+
+
+def _lamps(things: list[bpy.types.Object]) -> list[bpy.types.Object]:
+    return [thing for thing in things if thing.type == "LIGHT"]
+
+
+def _shapes(things: list[bpy.types.Object]) -> list[bpy.types.Object]:
+    return [thing for thing in things if thing.type not in _NO_SHAPES or _is_instancer(thing)]
+
+
+def _bounces(scene: bpy.types.Scene) -> int:
+    return min(scene.cycles.max_bounces, scene.cycles.glossy_bounces)
+
+
+def _world_override(layer: bpy.types.ViewLayer) -> bpy.types.World | None:
+    return getattr(layer, "world_override", None)  # of Blender 5
 
 
 def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]:
     layers = [layer for layer in scene.view_layers if layer.use]
-    things = {thing: None for layer in layers for thing in lights.rendered(layer, ever=True)}
-    shapes = [thing for thing in things if thing.type not in _NO_SHAPES or _is_instancer(thing)]
+    things = _things(layers)
+    shapes = _shapes(things)
     if not any(map(lights.is_painted, shapes)):
         yield "whatever there is: no object is painted yet"
-    if _world_may_shine(scene) or any(getattr(each, "world_override", None) for each in layers):
+    if _world_may_shine(scene) or any(map(_world_override, layers)):
         yield "the world"
-    lamps = [thing for thing in things if thing.type == "LIGHT"]
+    lamps = _lamps(things)
     if report.left_out or any(lamp.name not in report.slots for lamp in lamps):
         yield "lights without a slot"
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):
         yield "volumes"
-    bounces = min(scene.cycles.max_bounces, scene.cycles.glossy_bounces)
+    bounces = _bounces(scene)
     overridden = any(layer.material_override for layer in layers)
     if bounces > 0 and (len(shapes) > 1 or overridden):
         yield "their neighbours"

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paints of older versions, made anew: today's node group with the values, links and animation.
+
+Sockets are known by their label, as their owner sees them: place and identifier change between
+versions.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+
+import bpy
+
+from . import material, shader
+
+
+@dataclass
+class Report:
+    """What an update did."""
+
+    updated: int = 0  # paint nodes
+    lost: set[str] = field(default_factory=set)  # labels that today's paint does not have
+    linked: int = 0  # paint nodes that only the file they come from can update
+
+    def __str__(self) -> str:
+        lines = [f"Paints updated: {self.updated}."]
+        if self.lost:
+            lines.append(f"Today's paint has no {', '.join(sorted(self.lost))}.")
+        if self.linked:
+            lines.append(f"Linked paints stay as they are: {self.linked}. Update the files they "
+                         "come from.")  # fmt: skip
+        return "\n".join(lines)
+
+
+def has_outdated() -> bool:
+    """Whether the file holds a paint of an older version; quick enough for a panel."""
+    return any(group.users and _is_outdated(group) for group in bpy.data.node_groups)
+
+
+def update() -> Report:
+    """Gives every paint node of the file that can be edited today's group."""
+    report = Report()
+    nodes = list(_outdated_nodes())
+    for tree, node in nodes:
+        if node.id_data.is_editable:
+            report.lost |= _update(tree, node)
+            report.updated += 1
+        else:
+            report.linked += 1
+    _remove_unused()
+    return report
+
+
+def _is_outdated(group: bpy.types.NodeTree) -> bool:
+    version = material.version(group)
+    return 0 < version <= material.VERSION and not material.is_current(group, _digest())
+
+
+@cache
+def _digest() -> str:
+    return material.digest(shader.source())
+
+
+def _outdated_nodes() -> Iterator[tuple[bpy.types.NodeTree, bpy.types.ShaderNodeGroup]]:
+    trees = [each.node_tree for each in bpy.data.materials if each.node_tree]
+    for tree in (*trees, *bpy.data.node_groups):
+        for node in tree.nodes:
+            if node.type == "GROUP" and node.node_tree and _is_outdated(node.node_tree):
+                yield tree, node
+
+
+def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
+    """Returns the labels that were in use and are no more."""
+    values = {each.name: _value(each) for each in node.inputs if hasattr(each, "default_value")}
+    before = [socket.name for socket in node.inputs]
+    links = [
+        (link.from_node, link.from_socket, link.to_node, link.to_socket,
+         link.from_socket.name, link.to_socket.name)
+        for link in tree.links
+        if node in (link.from_node, link.to_node)
+    ]  # fmt: skip
+    # Blender would join what has the same identifier, whatever it is now.
+    for link in [link for link in tree.links if node in (link.from_node, link.to_node)]:
+        tree.links.remove(link)
+    node.node_tree = material.node_group()
+
+    for socket in node.inputs:
+        if hasattr(socket, "default_value"):
+            socket.default_value = _fitting(values.get(socket.name), _default(node, socket), socket)
+    lost = set()
+    for from_node, output, to_node, target, from_label, to_label in links:
+        if from_node == node:
+            output = node.outputs.get(from_label)
+        if to_node == node:
+            target = node.inputs.get(to_label)
+        if output is None or target is None:
+            lost.add(from_label if output is None else to_label)
+        else:
+            tree.links.new(output, target)
+    lost |= _point_animation(tree, node, before)
+    return lost
+
+
+def _value(socket: bpy.types.NodeSocket) -> object:
+    value = socket.default_value
+    return tuple(value) if hasattr(value, "__len__") else value
+
+
+def _default(node: bpy.types.ShaderNodeGroup, socket: bpy.types.NodeSocket) -> object:
+    sockets = node.node_tree.interface.items_tree
+    own = next(each for each in sockets if getattr(each, "identifier", "") == socket.identifier)
+    return tuple(own.default_value) if hasattr(own.default_value, "__len__") else own.default_value
+
+
+def _fitting(value: object, default: object, socket: bpy.types.NodeSocket) -> object:
+    """The old value if the socket still is of its kind, otherwise today's default."""
+    if isinstance(value, tuple) != isinstance(default, tuple) or value is None:
+        return default
+    if isinstance(value, tuple):
+        return value if len(value) == len(default) else default
+    return round(value) if socket.type == "INT" else value
+
+
+def _point_animation(
+    tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup, before: list[str]
+) -> set[str]:
+    """Keys and drivers name a socket by its number: they get the label's new one."""
+    prefix = f"{node.path_from_id()}.inputs["
+    pattern = re.compile(re.escape(prefix) + r"(\d+)\](.*)", re.DOTALL)
+    numbers = {socket.name: number for number, socket in enumerate(node.inputs)}
+    lost = set()
+    for curves in _curves(tree):
+        for curve in list(curves):
+            match = pattern.fullmatch(curve.data_path)
+            if match is None or int(match[1]) >= len(before):
+                continue
+            label = before[int(match[1])]
+            if label in numbers:
+                curve.data_path = f"{prefix}{numbers[label]}]{match[2]}"
+            else:
+                curves.remove(curve)
+                lost.add(label)
+    return lost
+
+
+def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.bpy_prop_collection]:
+    animation = tree.animation_data
+    if animation is None:
+        return
+    yield animation.drivers
+    if animation.action is None:
+        return
+    for layer in animation.action.layers:
+        for strip in layer.strips:
+            bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
+            if bag is not None:
+                yield bag.fcurves
+
+
+def _remove_unused() -> None:
+    """The groups that nobody holds any more, with their light slots and their texts."""
+    for group in [each for each in bpy.data.node_groups if each.library is None]:
+        if group.users == 0 and _is_outdated(group):
+            texts = [node.script for node in group.nodes if node.type == "SCRIPT" and node.script]
+            bpy.data.node_groups.remove(group)
+            for text in texts:
+                if text.users <= text.use_fake_user:
+                    bpy.data.texts.remove(text)

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""New paints, the scene's lights, Cycles with OSL, and paints of older versions."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import StringProperty
+
+from . import lights, material, migration, needs, presets
+from .paint import Paint
+
+PAINTABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
+
+
+def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
+    """The paint node of the context's material: the active one if there are several."""
+    of = getattr(context, "material", None) or getattr(context.object, "active_material", None)
+    if of is None or of.node_tree is None:
+        return None
+    paints = [node for node in of.node_tree.nodes if material.is_paint(node)]
+    active = of.node_tree.nodes.active
+    return active if active in paints else next(iter(paints), None)
+
+
+def report_of(operator: bpy.types.Operator, text: str, kind: str = "INFO") -> None:
+    for line in text.splitlines():
+        operator.report({kind}, line)
+
+
+def fit(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
+    """Lights and needs for a new paint, and a warning where the scene cannot show it."""
+    needs.fit(context.scene)
+    if missing := material.missing(context.scene):
+        operator.report({"WARNING"}, missing)
+
+
+def load(name_or_path: str) -> Paint:
+    """The default paint for an empty name."""
+    return presets.load(name_or_path) if name_or_path else Paint()
+
+
+def title(name_or_path: str) -> str:
+    """What a paint made of this preset is called: candy-red is Candy Red."""
+    stem = name_or_path.replace("\\", "/").rpartition("/")[2].removesuffix(".json")
+    return stem.replace("-", " ").title() or material.NAME
+
+
+class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
+    """Give the active object a new metallic paint in its active material slot"""
+
+    bl_idname = "material.metallic_paint_new"
+    bl_label = "New Metallic Paint"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: StringProperty(
+        name="Preset", description="Name or file of a preset; empty for a plain silver"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        thing = context.object
+        if thing is None or thing.type not in PAINTABLE:
+            cls.poll_message_set("Select an object whose surface can hold a material")
+            return False
+        by_object = any(slot.link == "OBJECT" for slot in thing.material_slots)
+        if not thing.is_editable or not (thing.data.is_editable or by_object):
+            cls.poll_message_set("The object is linked from another file and cannot be changed")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            paint = load(self.preset)
+        except presets.PresetError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.object.active_material = material.create(paint, title(self.preset))
+        fit(self, context)
+        return {"FINISHED"}
+
+
+class NODE_OT_metallic_paint_add(bpy.types.Operator):
+    """Add a metallic paint node, to be connected with a material's surface"""
+
+    bl_idname = "node.metallic_paint_add"
+    bl_label = "Metallic Paint"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        space = context.space_data
+        tree = space.edit_tree if space is not None and space.type == "NODE_EDITOR" else None
+        if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
+            cls.poll_message_set("Open a material in a shader editor")
+            return False
+        if not tree.is_editable:
+            cls.poll_message_set("The material is linked from another file and cannot be changed")
+            return False
+        if material.version(tree) or tree in lights.groups():
+            cls.poll_message_set("A paint cannot stand within a paint")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
+        result = self.execute(context)
+        bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
+        return result
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        tree = context.space_data.edit_tree
+        node = material.add_node(tree, Paint())
+        node.location = context.space_data.cursor_location
+        for other in tree.nodes:
+            other.select = other == node
+        tree.nodes.active = node
+        fit(self, context)
+        return {"FINISHED"}
+
+
+class SCENE_OT_metallic_paint_update_lights(bpy.types.Operator):
+    """Give the paints the scene's lights anew, and leave out what the scene does not require. \
+This happens by itself while one works; a script calls it"""
+
+    bl_idname = "scene.metallic_paint_update_lights"
+    bl_label = "Update Lights"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not lights.groups():
+            cls.poll_message_set("This file has no metallic paint")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        report_of(self, str(needs.fit(context.scene)))
+        return {"FINISHED"}
+
+
+class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
+    """Render this scene with Cycles and Open Shading Language on the CPU"""
+
+    bl_idname = "scene.metallic_paint_use_osl"
+    bl_label = "Use Cycles with OSL"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not hasattr(context.scene, "cycles"):
+            cls.poll_message_set("Enable the add-on Cycles Render Engine first")
+            return False
+        if not context.scene.is_editable:
+            cls.poll_message_set("The scene is linked from another file and cannot be changed")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        material.set_up_cycles(context.scene)
+        return {"FINISHED"}
+
+
+class MATERIAL_OT_metallic_paint_update(bpy.types.Operator):
+    """Give all paints of this file that were made by an older version today's shader. Their \
+values, links and animation stay; their look may change"""
+
+    bl_idname = "material.metallic_paint_update"
+    bl_label = "Update Paints"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not migration.has_outdated():
+            cls.poll_message_set("All paints of this file are of today's version")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        report = migration.update()
+        report_of(self, str(report), "WARNING" if report.lost or report.linked else "INFO")
+        fit(self, context)
+        return {"FINISHED"}
+
+
+_CLASSES = (
+    MATERIAL_OT_metallic_paint_new,
+    NODE_OT_metallic_paint_add,
+    SCENE_OT_metallic_paint_update_lights,
+    SCENE_OT_metallic_paint_use_osl,
+    MATERIAL_OT_metallic_paint_update,
+)
+
+
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

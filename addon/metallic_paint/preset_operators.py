@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets in the interface: a menu of swatches, applying, loading and saving.
+
+Own presets are the files in the add-on's folder of the user; a file from elsewhere is loaded, or
+put there. A swatch is a picture beside the presets that ship; without it the entry is mere text.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import bpy.utils.previews
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from . import material, operators, presets
+from .paint import PaintError
+
+SWATCHES = Path(__file__).parent / "swatches"
+
+_previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while registered
+
+
+def own_folder(create: bool = False) -> Path:
+    """Where the user's presets are; it outlives an update of the add-on."""
+    return Path(bpy.utils.extension_path_user(__package__, path="presets", create=create))
+
+
+def own() -> list[Path]:
+    return sorted(own_folder().glob("*.json"))
+
+
+def swatch(name: str) -> int:
+    """The number of the preset's icon, or 0, which is none."""
+    file = SWATCHES / f"{name}.jpg"
+    if not _previews or not file.is_file():
+        return 0
+    pictures = _previews[0]
+    if name not in pictures:
+        pictures.load(name, str(file), "IMAGE")
+    return pictures[name].icon_id
+
+
+class _OnPaint:
+    """For operators on the paint of the active material."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        node = operators.paint_node(context)
+        if node is None:
+            cls.poll_message_set("The active material has no metallic paint")
+            return False
+        if not node.id_data.is_editable:
+            cls.poll_message_set("The material is linked from another file and cannot be changed")
+            return False
+        return True
+
+
+def _apply(operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str) -> set[str]:
+    try:
+        paint = presets.load(name_or_path)
+    except presets.PresetError as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    material.apply(operators.paint_node(context), paint)
+    return {"FINISHED"}
+
+
+class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint, bpy.types.Operator):
+    """Give the active material's paint the values of this preset"""
+
+    bl_idname = "material.metallic_paint_apply_preset"
+    bl_label = "Apply Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: StringProperty(name="Preset", description="Name or file of a preset")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return _apply(self, context, self.preset)
+
+
+class MATERIAL_OT_metallic_paint_load_preset(_OnPaint, bpy.types.Operator, ImportHelper):
+    """Give the active material's paint the values of a preset's file"""
+
+    bl_idname = "material.metallic_paint_load_preset"
+    bl_label = "Load Preset"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.filepath = f"{own_folder(create=True)}/"
+        return super().invoke(context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return _apply(self, context, bpy.path.abspath(self.filepath))
+
+
+class MATERIAL_OT_metallic_paint_save_preset(bpy.types.Operator, ExportHelper):
+    """Save the active material's paint as a preset: in the folder of own presets, where the menu \
+finds it, or elsewhere, to share it"""
+
+    bl_idname = "material.metallic_paint_save_preset"
+    bl_label = "Save Preset"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    description: StringProperty(name="Description", description="What the paint is, in a sentence")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if operators.paint_node(context) is None:
+            cls.poll_message_set("The active material has no metallic paint")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        painted = operators.paint_node(context).id_data
+        owner = next(each for each in bpy.data.materials if each.node_tree == painted)
+        name = bpy.path.clean_name(owner.name.lower().replace(" ", "-"))
+        self.filepath = str(own_folder(create=True) / f"{name}.json")
+        return super().invoke(context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        path = bpy.path.abspath(self.filepath)
+        try:
+            presets.save(material.paint_of(operators.paint_node(context)), path, self.description)
+        except PaintError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except OSError as error:
+            self.report({"ERROR"}, f"{path} cannot be written: {error.strerror}.")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Saved {path}.")
+        return {"FINISHED"}
+
+
+class MATERIAL_MT_metallic_paint_presets(bpy.types.Menu):
+    bl_label = "Presets"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Applies to the material's paint; where there is none, a new paint of the preset."""
+        layout = self.layout
+        painted = operators.paint_node(context) is not None
+        chosen = MATERIAL_OT_metallic_paint_apply_preset if painted else (
+            operators.MATERIAL_OT_metallic_paint_new
+        )  # fmt: skip
+        for name in presets.names():
+            text = operators.title(name)
+            icon = swatch(name)
+            layout.operator(chosen.bl_idname, text=text, icon_value=icon).preset = name
+        if mine := own():
+            layout.separator()
+        for path in mine:
+            text = operators.title(path.name)
+            layout.operator(chosen.bl_idname, text=text, icon="FILE").preset = str(path)
+        layout.separator()
+        for of_files in (
+            MATERIAL_OT_metallic_paint_load_preset,
+            MATERIAL_OT_metallic_paint_save_preset,
+        ):
+            layout.operator(of_files.bl_idname, text=f"{of_files.bl_label}…")
+
+
+_CLASSES = (
+    MATERIAL_OT_metallic_paint_apply_preset,
+    MATERIAL_OT_metallic_paint_load_preset,
+    MATERIAL_OT_metallic_paint_save_preset,
+    MATERIAL_MT_metallic_paint_presets,
+)
+
+
+def register() -> None:
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
+    _previews.append(bpy.utils.previews.new())
+
+
+def unregister() -> None:
+    bpy.utils.previews.remove(_previews.pop())
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

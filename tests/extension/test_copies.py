@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Copies, links, renames, undo, instances, and files that travel."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import numpy as np
+import OpenImageIO
+import pytest
+
+Addon = Callable[[str], ModuleType]
+
+
+@pytest.fixture
+def painted() -> bpy.types.Object:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8)
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    return bpy.context.object
+
+
+def add_sun(name: str = "Sun") -> bpy.types.Object:
+    bpy.ops.object.light_add(type="SUN", rotation=(0.3, 0, 0))
+    bpy.context.object.name = name
+    bpy.context.view_layer.update()
+    return bpy.context.object
+
+
+def groups(mark: str) -> list[bpy.types.NodeTree]:
+    return [group for group in bpy.data.node_groups if mark in group]
+
+
+def undefined_nodes() -> list[str]:
+    trees = [*(each.node_tree for each in bpy.data.materials), *bpy.data.node_groups]
+    nodes = [node for tree in trees if tree for node in tree.nodes]
+    return [node.name for node in nodes if node.bl_idname in ("", "NodeUndefined")]
+
+
+def test_copied_material_has_values_of_its_own(addon: Addon, painted: bpy.types.Object) -> None:
+    material, presets = addon("material"), addon("presets")
+    first = painted.active_material
+    second = first.copy()
+    second.name = "Renamed"
+    material.apply(second, presets.load("lime"))
+    assert material.paint_of(first) == presets.load("gold")
+    assert material.paint_of(second) == presets.load("lime")
+    assert len(groups("metallic_paint")) == 1
+
+
+def test_many_paints_share_one_group_and_one_set_of_lights(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    for preset in ("lime", "candy-red"):
+        bpy.ops.mesh.primitive_cube_add()
+        bpy.ops.material.metallic_paint_new(preset=preset)
+    bpy.ops.object.material_slot_add()
+    bpy.ops.material.metallic_paint_new(preset="silver-fine")
+    assert len(bpy.data.materials) == 4
+    assert len(groups("metallic_paint")) == 1
+    assert len(addon("lights").groups()) == 1
+
+
+def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.types.Object) -> None:
+    bpy.ops.object.duplicate()
+    twin = bpy.context.object
+    assert twin.active_material == painted.active_material
+    collection = bpy.data.collections.new("Parts")
+    collection.objects.link(twin)
+    bpy.context.collection.objects.unlink(twin)
+    bpy.ops.object.collection_instance_add(collection="Parts")
+    sun = add_sun()
+    bpy.context.view_layer.update()
+    assert addon("lights").values()
+    assert "no sparkles from" not in addon("needs").said()
+    collection.objects.link(sun)
+    bpy.context.scene.collection.objects.unlink(sun)
+    bpy.context.view_layer.update()
+    assert "no sparkles from Sun: an instanced light" in addon("needs").said()
+
+
+@pytest.mark.parametrize("link", [True, False])
+def test_paint_from_another_file(
+    addon: Addon, painted: bpy.types.Object, tmp_path: Path, link: bool
+) -> None:
+    """Appended, it takes this file's lights; linked, it keeps its own, and the panel says so."""
+    painted.active_material.name = "Theirs"
+    add_sun("Their Sun")
+    file = str(tmp_path / "other.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.material.metallic_paint_new(preset="lime")
+    add_sun("Our Sun")
+    with bpy.data.libraries.load(file, link=link) as (_, into):
+        into.materials = ["Theirs"]
+    theirs = bpy.data.materials["Theirs"]
+    bpy.data.objects["Cube"].data.materials.append(theirs)
+    bpy.context.view_layer.update()
+    assert addon("material").paint_of(theirs) == addon("presets").load("gold")
+    assert "light 1: Our Sun" in addon("needs").said()
+    assert "Their Sun" not in addon("needs").said()
+    assert ("do not see these lights" in addon("needs").said()) == link
+    own = addon("lights").groups()
+    assert len(own) == 1
+    slots = {
+        node.node_tree
+        for group in groups("metallic_paint")
+        for node in group.nodes
+        if node.type == "GROUP"
+    }
+    assert own[0] in slots
+    assert len(slots) == 1 + link
+
+
+def test_file_with_only_a_linked_paint_is_left_alone(
+    addon: Addon, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    file = str(tmp_path / "other.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(file, link=True) as (_, into):
+        into.objects = ["Sphere"]
+    bpy.context.scene.collection.objects.link(into.objects[0])
+    add_sun()
+    assert addon("lights").groups() == []
+
+
+def test_undo_and_redo_of_a_new_paint(addon: Addon) -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.ed.undo_push(message="cube")
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    bpy.ops.ed.undo_push(message="paint")
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        if not bpy.ops.ed.undo.poll():
+            pytest.skip("Blender's module does not undo without a window.")
+        bpy.ops.ed.undo()
+        assert bpy.data.objects["Cube"].active_material is None
+        assert not groups("metallic_paint")
+        bpy.ops.ed.redo()
+    painted = bpy.data.objects["Cube"].active_material
+    assert addon("material").paint_of(painted) == addon("presets").load("gold")
+
+
+def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_path: Path) -> None:
+    add_sun()
+    file = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    painted = bpy.data.objects["Sphere"].active_material
+    assert addon("material").paint_of(painted) == addon("presets").load("gold")
+    assert addon("lights").values()
+    assert undefined_nodes() == []
+    assert addon("lights").groups()[0].animation_data.drivers[0].is_valid
+
+
+RENDER = """
+import os, sys, bpy
+assert not [name for name in sys.modules if "metallic_paint" in name]
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1], use_scripts=False)
+bpy.context.scene.render.filepath = sys.argv[2]
+bpy.ops.render.render(write_still=True)
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_saved_file_renders_the_same_without_the_extension(
+    painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """In a new process with empty settings, without Blender's compiler, without scripts."""
+    scene = bpy.context.scene
+    bpy.ops.object.camera_add(location=(0, 0, 5))
+    scene.camera = bpy.context.object
+    add_sun()
+    bpy.ops.scene.metallic_paint_use_osl()
+    scene.render.resolution_x = scene.render.resolution_y = 24
+    scene.cycles.samples, scene.cycles.use_denoising = 4, False
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    pictures = [str(tmp_path / name) for name in ("here.exr", "elsewhere.exr")]
+    scene.render.filepath = pictures[0]
+    file = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.render.render(write_still=True)
+    (tmp_path / "user").mkdir()
+    subprocess.run(
+        ["timeout", "-k", "2", "120", sys.executable, "-c", RENDER, file, pictures[1]],
+        env={"BLENDER_USER_RESOURCES": str(tmp_path / "user")}, check=True,
+    )  # fmt: skip
+    here, elsewhere = (
+        OpenImageIO.ImageBuf(name).get_pixels(OpenImageIO.FLOAT)[..., :3] for name in pictures
+    )
+    assert here.max() > 0.1
+    np.testing.assert_array_equal(here, elsewhere)

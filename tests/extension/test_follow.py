@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights follow by themselves: nothing here calls needs.fit or Update Lights.
+
+Without a window Blender has no timers, so the handlers fit at once; the timer's way is the same
+function, and tested for being started.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import addon_utils
+import bpy
+import pytest
+from conftest import NAME
+
+Addon = Callable[[str], ModuleType]
+
+
+@pytest.fixture(autouse=True)
+def painted() -> bpy.types.Object:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
+    bpy.ops.material.metallic_paint_new()
+    return bpy.context.object
+
+
+@pytest.fixture
+def fits(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Grows with each fit."""
+    needs, counted = addon("needs"), []
+    fit = needs.fit
+    monkeypatch.setattr(needs, "fit", lambda scene: counted.append(scene.name) or fit(scene))
+    return counted
+
+
+def update() -> None:
+    bpy.context.view_layer.update()
+
+
+def add(kind: str, name: str, x: float = 0) -> bpy.types.Object:
+    lamp = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    lamp.location.x = x
+    bpy.context.scene.collection.objects.link(lamp)
+    update()
+    return lamp
+
+
+def slots(addon: Addon) -> list[str]:
+    """The names that the last fit told of."""
+    lines = addon("needs").said().splitlines()
+    return [line.partition(": ")[2] for line in lines if line.startswith("light ")]
+
+
+def test_new_lights_get_slots(addon: Addon) -> None:
+    for number, kind in enumerate(("SUN", "POINT", "SPOT"), 1):
+        add(kind, kind)
+        assert len(addon("lights").values()) == number
+    assert slots(addon) == ["POINT", "SPOT", "SUN"]
+
+
+def test_deleted_lights_leave_their_slot(addon: Addon) -> None:
+    lamp = add("SUN", "Sun")
+    bpy.data.objects.remove(lamp)
+    update()
+    assert addon("lights").values() == []
+
+
+def test_renamed_lights_move(addon: Addon) -> None:
+    lamp, _ = add("POINT", "A", 1), add("POINT", "B", 2)
+    lamp.name = "C"
+    update()
+    assert slots(addon) == ["B", "C"]
+    assert [round(vector.x) for _, vector, _ in addon("lights").values()] == [2, 1]
+
+
+def test_type_changes_follow(addon: Addon) -> None:
+    lamp = add("SUN", "Lamp")
+    lamp.data.type = "POINT"
+    update()
+    assert addon("lights").values()[0][0] == addon("lights").POSITIONED
+    lamp.data.type = "AREA"
+    update()
+    assert addon("lights").values() == []
+
+
+def test_hidden_lights_leave_their_slot(addon: Addon) -> None:
+    lamp = add("SUN", "Sun")
+    lamp.hide_render = True
+    update()
+    assert addon("lights").values() == []
+    lamp.hide_render = False
+    update()
+    assert slots(addon) == ["Sun"]
+
+
+def test_excluded_collections_take_their_lights_along(addon: Addon) -> None:
+    collection = bpy.data.collections.new("Lamps")
+    bpy.context.scene.collection.children.link(collection)
+    lamp = add("SUN", "Sun")
+    collection.objects.link(lamp)
+    bpy.context.scene.collection.objects.unlink(lamp)
+    update()
+    assert slots(addon) == ["Sun"]
+    bpy.context.view_layer.layer_collection.children["Lamps"].exclude = True
+    update()
+    assert addon("lights").values() == []
+
+
+def test_brighter_ninth_light_wins(addon: Addon) -> None:
+    lamps = [add("POINT", f"Lamp {i}", 3 + i) for i in range(9)]
+    assert "Lamp 8" not in slots(addon)
+    lamps[8].data.energy = 1e6
+    update()
+    assert "Lamp 8" in slots(addon)
+    assert "Lamp 7" not in slots(addon)
+    lamps[7].location.x = 1.5
+    update()
+    assert "Lamp 7" in slots(addon)
+
+
+def test_moving_a_light_needs_the_drivers_alone(
+    addon: Addon, fits: list[str], painted: bpy.types.Object
+) -> None:
+    bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
+    lamp = add("POINT", "Lamp", 1)
+    fits.clear()
+    lamp.location.x, lamp.data.shadow_soft_size = 7, 0.5
+    update()
+    [(_, vector, size)] = addon("lights").values()
+    assert (round(vector.x, 5), round(size, 5)) == (7, 0.5)
+    assert fits == []
+
+
+def test_world_and_neighbours_are_noticed(addon: Addon) -> None:
+    bpy.context.scene.cycles.max_bounces = 0
+    add("SUN", "Sun")
+    assert "The flakes show no world" in addon("needs").said()
+    world = bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True  # Blender 4.5
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 1
+    bpy.context.scene.world = world
+    update()
+    assert "The flakes also show the world" in addon("needs").said()
+    bpy.context.scene.world = None
+    bpy.context.scene.cycles.max_bounces = 4
+    bpy.ops.mesh.primitive_cube_add()
+    assert "their neighbours" in addon("needs").said()
+
+
+def test_emitting_materials_are_noticed(addon: Addon) -> None:
+    bpy.context.scene.cycles.max_bounces = 0
+    bpy.ops.mesh.primitive_cube_add()
+    glow = bpy.data.materials.new("Glow")
+    if glow.node_tree is None:
+        glow.use_nodes = True  # Blender 4.5
+    bpy.context.object.data.materials.append(glow)
+    update()
+    assert "objects that may emit" not in addon("needs").said()
+    glow.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 1
+    update()
+    assert "objects that may emit" in addon("needs").said()
+
+
+def test_dented_mesh_shows_itself(addon: Addon, painted: bpy.types.Object) -> None:
+    add("SUN", "Sun")
+    assert "the paint itself" not in addon("needs").said()
+    top = max(painted.data.vertices, key=lambda vertex: vertex.co.z)
+    top.co.z = -0.5
+    painted.data.update()
+    update()
+    assert "the paint itself" in addon("needs").said()
+
+
+def test_nothing_is_fitted_twice_or_without_reason(fits: list[str]) -> None:
+    add("SUN", "Sun")
+    assert len(fits) == 1
+    update()
+    bpy.context.scene.render.resolution_x = 17
+    bpy.context.scene.frame_set(7)
+    update()
+    assert len(fits) == 1
+
+
+def test_files_without_paint_are_left_alone(addon: Addon, fits: list[str]) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True)
+    add("SUN", "Sun")
+    assert fits == []
+    assert not bpy.data.node_groups
+
+
+def test_saved_file_has_its_lights(addon: Addon, tmp_path: Path) -> None:
+    lamp = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    bpy.context.scene.collection.objects.link(lamp)  # and no update
+    file = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    assert slots(addon) == ["Sun"]
+
+
+def test_opened_file_is_fitted_if_it_was_changed_elsewhere(addon: Addon, tmp_path: Path) -> None:
+    addon_utils.disable(NAME)
+    lamp = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    bpy.context.scene.collection.objects.link(lamp)
+    file = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    addon_utils.enable(NAME)
+    assert addon("lights").values() == []
+    bpy.ops.wm.open_mainfile(filepath=file)
+    assert slots(addon) == ["Sun"]
+
+
+def test_other_scene_gets_its_own_lights(addon: Addon) -> None:
+    add("SUN", "Sun")
+    bpy.context.window.scene = bpy.data.scenes.new("Other")
+    bpy.ops.object.empty_add()
+    assert addon("lights").values() == []
+    bpy.context.window.scene = bpy.data.scenes["Scene"]
+    bpy.ops.object.empty_add()
+    assert slots(addon) == ["Sun"]
+
+
+def test_nothing_happens_while_rendering(
+    addon: Addon, fits: list[str], painted: bpy.types.Object
+) -> None:
+    scene = bpy.context.scene
+    bpy.ops.object.camera_add(location=(0, 0, 5))
+    scene.camera = bpy.context.object
+    bpy.ops.scene.metallic_paint_use_osl()
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.cycles.samples, scene.frame_end = 1, 2
+    during: list[int] = []
+
+    def watch(*_: object) -> None:
+        before = len(fits)
+        scene.world = bpy.data.worlds.new("World")
+        addon("follow").follow()
+        during.append(len(fits) - before)
+
+    bpy.app.handlers.render_pre.append(watch)
+    try:
+        bpy.ops.render.render(animation=True)
+    finally:
+        bpy.app.handlers.render_pre.remove(watch)
+    assert during == [0, 0]
+    update()
+    addon("follow").follow()
+    assert fits
+
+
+def test_with_a_window_the_handler_only_starts_a_timer(
+    addon: Addon, fits: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    follow = addon("follow")
+    app = SimpleNamespace(background=False, timers=bpy.app.timers)
+    monkeypatch.setattr(follow, "bpy", SimpleNamespace(app=app, context=bpy.context))
+    add("SUN", "Sun")
+    add("SUN", "Sun 2")
+    assert fits == []
+    assert bpy.app.timers.is_registered(follow.follow)
+    follow.follow()
+    assert slots(addon) == ["Sun", "Sun 2"]
+    follow._stop_timer()
+
+
+def test_undo_brings_back_the_lights_of_its_state(addon: Addon) -> None:
+    window = bpy.context.window_manager.windows[0]
+    bpy.ops.ed.undo_push(message="painted")
+    add("SUN", "Sun")
+    bpy.ops.ed.undo_push(message="light")
+    assert len(addon("lights").values()) == 1
+    with bpy.context.temp_override(window=window):
+        if not bpy.ops.ed.undo.poll():
+            pytest.skip("Blender's module does not undo without a window.")
+        bpy.ops.ed.undo()
+        assert addon("lights").values() == []
+        bpy.ops.ed.redo()
+    assert len(addon("lights").values()) == 1

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every operator of paints, lights and scene: what it does, when it refuses, how it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import pytest
+
+Addon = Callable[[str], ModuleType]
+
+
+@pytest.fixture
+def cube() -> bpy.types.Object:
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+@pytest.fixture
+def linked_paint(addon: Addon, cube: bpy.types.Object, tmp_path: Path) -> bpy.types.Object:
+    """An object whose mesh and paint are linked from another file."""
+    bpy.ops.material.metallic_paint_new()
+    file = str(tmp_path / "other.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(file, link=True) as (_, into):
+        into.objects = ["Cube"]
+    [thing] = into.objects
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    return thing
+
+
+@pytest.fixture
+def editor(cube: bpy.types.Object) -> Iterator[bpy.types.Area]:
+    """A shader editor on the active object's material, in the context of a window's area."""
+    window = bpy.context.window_manager.windows[0]
+    area = window.screen.areas[0]
+    area.type = "NODE_EDITOR"
+    area.ui_type = "ShaderNodeTree"
+    surface = bpy.data.materials.new("Surface")
+    if surface.node_tree is None:
+        surface.use_nodes = True  # Blender 4.5
+    cube.active_material = surface
+    area.spaces.active.pin = True
+    area.spaces.active.node_tree = surface.node_tree
+    region = next(each for each in area.regions if each.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        yield area
+
+
+# --- a new paint -------------------------------------------------------------------------------
+
+
+def test_new_paint_takes_the_active_slot(addon: Addon, cube: bpy.types.Object) -> None:
+    first, second = (bpy.data.materials.new(name) for name in ("first", "second"))
+    cube.data.materials.append(first)
+    cube.data.materials.append(second)
+    cube.active_material_index = 1
+    assert bpy.ops.material.metallic_paint_new(preset="candy-red") == {"FINISHED"}
+    assert cube.data.materials[0] == first
+    painted = cube.data.materials[1]
+    assert painted.name == "Candy Red"
+    assert addon("material").paint_of(painted) == addon("presets").load("candy-red")
+
+
+def test_new_paint_knows_the_lights(addon: Addon, cube: bpy.types.Object) -> None:
+    bpy.ops.object.light_add(type="SUN")
+    bpy.context.view_layer.objects.active = cube
+    bpy.ops.material.metallic_paint_new()
+    assert len(addon("lights").values()) == 1
+
+
+def test_new_paint_switches_nothing(cube: bpy.types.Object) -> None:
+    engine = bpy.context.scene.render.engine
+    assert engine != "CYCLES"
+    bpy.ops.material.metallic_paint_new()
+    assert bpy.context.scene.render.engine == engine
+    assert not bpy.context.scene.cycles.shading_system
+
+
+@pytest.mark.parametrize("kind", ["CAMERA", "LIGHT", "EMPTY"])
+def test_new_paint_refuses_what_has_no_surface(kind: str) -> None:
+    data = {
+        "CAMERA": lambda: bpy.data.cameras.new("a"),
+        "LIGHT": lambda: bpy.data.lights.new("a", "SUN"),
+        "EMPTY": lambda: None,
+    }[kind]()
+    thing = bpy.data.objects.new("a", data)
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    with pytest.raises(RuntimeError, match="whose surface can hold a material"):
+        bpy.ops.material.metallic_paint_new()
+
+
+def test_new_paint_refuses_without_an_object() -> None:
+    with pytest.raises(RuntimeError, match="Select an object"):
+        bpy.ops.material.metallic_paint_new()
+
+
+def test_new_paint_refuses_linked_objects(linked_paint: bpy.types.Object) -> None:
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        bpy.ops.material.metallic_paint_new()
+
+
+def test_new_paint_of_a_bad_preset_changes_nothing(cube: bpy.types.Object) -> None:
+    with pytest.raises(RuntimeError, match="neither a file nor a preset"):
+        bpy.ops.material.metallic_paint_new(preset="no-such")
+    assert not cube.data.materials
+    assert not bpy.data.materials
+
+
+# --- a paint node ------------------------------------------------------------------------------
+
+
+def test_paint_node_joins_the_material(addon: Addon, editor: bpy.types.Area) -> None:
+    tree = editor.spaces.active.edit_tree
+    before = len(tree.nodes)
+    assert bpy.ops.node.metallic_paint_add() == {"FINISHED"}
+    assert len(tree.nodes) == before + 1
+    assert addon("material").is_paint(tree.nodes.active)
+    assert [node for node in tree.nodes if node.select] == [tree.nodes.active]
+
+
+def test_paint_node_refuses_outside_a_shader_editor(cube: bpy.types.Object) -> None:
+    with pytest.raises(RuntimeError, match="Open a material in a shader editor"):
+        bpy.ops.node.metallic_paint_add()
+
+
+def test_paint_node_refuses_a_world(editor: bpy.types.Area) -> None:
+    editor.spaces.active.shader_type = "WORLD"
+    with pytest.raises(RuntimeError, match="Open a material in a shader editor"):
+        bpy.ops.node.metallic_paint_add()
+
+
+def test_paint_node_refuses_to_stand_in_a_paint(addon: Addon, editor: bpy.types.Area) -> None:
+    for group in (addon("material").node_group(), addon("lights").node_group()):
+        editor.spaces.active.node_tree = group
+        with pytest.raises(RuntimeError, match="cannot stand within a paint"):
+            bpy.ops.node.metallic_paint_add()
+
+
+# --- the scene ---------------------------------------------------------------------------------
+
+
+def test_update_lights_reports_what_fit_says(
+    addon: Addon, cube: bpy.types.Object, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bpy.ops.material.metallic_paint_new()
+    bpy.ops.object.light_add(type="POINT")
+    capfd.readouterr()
+    assert bpy.ops.scene.metallic_paint_update_lights() == {"FINISHED"}
+    assert "light 1: Point" in capfd.readouterr().out
+    assert "light 1: Point" in addon("needs").said()
+
+
+def test_update_lights_refuses_without_paint() -> None:
+    with pytest.raises(RuntimeError, match="no metallic paint"):
+        bpy.ops.scene.metallic_paint_update_lights()
+
+
+def test_one_button_puts_the_scene_on_cycles_with_osl(addon: Addon) -> None:
+    scene = bpy.context.scene
+    missing = addon("material").missing
+    assert "does not render with Cycles" in missing(scene)
+    scene.render.engine = "CYCLES"
+    assert "Open Shading Language is off" in missing(scene)
+    scene.render.engine = "BLENDER_WORKBENCH"
+    assert bpy.ops.scene.metallic_paint_use_osl() == {"FINISHED"}
+    assert missing(scene) == ""
+    assert (scene.render.engine, scene.cycles.device) == ("CYCLES", "CPU")
+    assert scene.cycles.shading_system
+
+
+def test_update_paints_refuses_where_all_are_new(cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    with pytest.raises(RuntimeError, match=r"of today's version"):
+        bpy.ops.material.metallic_paint_update()

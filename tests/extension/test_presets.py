@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Presets in the interface: apply, load, save, own folder; bad files change nothing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import pytest
+
+Addon = Callable[[str], ModuleType]
+
+
+@pytest.fixture
+def painted() -> bpy.types.Material:
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    return bpy.context.object.active_material
+
+
+def test_apply_sets_the_paint_node_alone(addon: Addon, painted: bpy.types.Material) -> None:
+    material, presets = addon("material"), addon("presets")
+    tree = painted.node_tree
+    other = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    paint = material.paint_node(painted)
+    tree.links.new(noise.outputs[0], paint.inputs["Tilt"])
+    for name in presets.names():
+        assert bpy.ops.material.metallic_paint_apply_preset(preset=name) == {"FINISHED"}
+        assert material.paint_of(painted) == presets.load(name)
+    assert paint.inputs["Tilt"].links[0].from_node == noise
+    assert other.inputs["Roughness"].default_value == 0.5
+
+
+def test_apply_takes_the_active_one_of_two_paints(
+    addon: Addon, painted: bpy.types.Material
+) -> None:
+    material, presets = addon("material"), addon("presets")
+    first = material.paint_node(painted)
+    second = material.add_node(painted.node_tree, presets.load("gold"))
+    painted.node_tree.nodes.active = second
+    bpy.ops.material.metallic_paint_apply_preset(preset="lime")
+    assert material.paint_of(first) == presets.load("gold")
+    assert material.paint_of(second) == presets.load("lime")
+
+
+def test_saved_paint_loads_as_it_was(
+    addon: Addon, painted: bpy.types.Material, tmp_path: Path
+) -> None:
+    material, presets = addon("material"), addon("presets")
+    file = tmp_path / "mine.json"
+    node = material.paint_node(painted)
+    node.inputs["Tilt"].default_value = 0.123
+    assert bpy.ops.material.metallic_paint_save_preset(
+        filepath=str(file), description="Mine"
+    ) == {"FINISHED"}
+    assert json.loads(file.read_text())["paint"]["tilt"] == 0.123
+    assert json.loads(file.read_text())["description"] == "Mine"
+    expected = material.paint_of(painted)
+    bpy.ops.material.metallic_paint_apply_preset(preset="lime")
+    assert bpy.ops.material.metallic_paint_load_preset(filepath=str(file)) == {"FINISHED"}
+    assert material.paint_of(painted) == expected == presets.load(file)
+
+
+BAD = {
+    "no JSON": ("{", "is no JSON"),
+    "a field out of range": ('{"schema_version": 1, "paint": {"tilt": 1000}}',
+                             "paint.tilt is 1000 and must lie in"),
+    "a field of the second species": (
+        '{"schema_version": 1, "paint": {"second": {"coating": "lead"}}}',
+        "paint.second.coating is 'lead' and must be one of"),
+    "an unknown field": ('{"schema_version": 1, "paint": {"glitter": 1}}', "paint.glitter"),
+    "NaN": ('{"schema_version": 1, "paint": {"tilt": NaN}}', "NaN is no number"),
+    "a future version": ('{"schema_version": 99, "paint": {}}', "schema_version is 99"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", BAD)
+def test_bad_file_is_explained_and_changes_nothing(
+    addon: Addon, painted: bpy.types.Material, tmp_path: Path, which: str
+) -> None:
+    text, complaint = BAD[which]
+    file = tmp_path / "bad.json"
+    file.write_text(text)
+    before = addon("material").paint_of(painted)
+    with pytest.raises(RuntimeError) as error:
+        bpy.ops.material.metallic_paint_load_preset(filepath=str(file))
+    assert complaint in str(error.value)
+    assert addon("material").paint_of(painted) == before
+
+
+def test_missing_file_is_explained(painted: bpy.types.Material, tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="neither a file nor a preset"):
+        bpy.ops.material.metallic_paint_load_preset(filepath=str(tmp_path / "none.json"))
+
+
+def test_saving_where_nothing_can_be_written(painted: bpy.types.Material, tmp_path: Path) -> None:
+    file = tmp_path / "none" / "a.json"
+    with pytest.raises(RuntimeError, match="cannot be written: No such file"):
+        bpy.ops.material.metallic_paint_save_preset(filepath=str(file))
+    assert not file.exists()
+
+
+def test_saving_an_impossible_paint_names_the_field(
+    addon: Addon, painted: bpy.types.Material, tmp_path: Path
+) -> None:
+    node = addon("material").paint_node(painted)
+    node.inputs["Coating"].default_value = 0
+    node.inputs["Flake Color"].default_value = (0.9, 0.9, 0.9, 1)
+    node.inputs["Flake Transmission"].default_value = (0.5, 0.5, 0.5, 1)
+    with pytest.raises(RuntimeError, match=r"flake_color\[0\] \+ flake_transmission\[0\]"):
+        bpy.ops.material.metallic_paint_save_preset(filepath=str(tmp_path / "a.json"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("action", ["apply", "load", "save"])
+def test_operators_refuse_without_a_paint(action: str, tmp_path: Path) -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.active_material = bpy.data.materials.new("plain")
+    run = getattr(bpy.ops.material, f"metallic_paint_{action}_preset")
+    with pytest.raises(RuntimeError, match="active material has no metallic paint"):
+        run()
+
+
+def test_own_presets_outlive_the_package(addon: Addon, installed: Path) -> None:
+    folder = addon("preset_operators").own_folder(create=True)
+    assert folder.is_dir()
+    assert installed not in folder.parents
+
+
+def test_every_preset_has_a_swatch(addon: Addon) -> None:
+    bpy.utils.previews  # noqa: B018
+    for name in addon("presets").names():
+        addon("preset_operators").swatch(name)  # icons have no numbers without a window
+        assert tuple(addon("preset_operators")._previews[0][name].image_size) == (128, 128)
+    assert addon("preset_operators").swatch("no-such") == 0
