@@ -154,7 +154,9 @@ class _Extension:
         with self._lock:
             if self._problem is None:
                 self._problem = self._build()
-        return Outcome(failed=1, report=[self._problem]) if self._problem else _pytest(blender, file)
+        return (
+            Outcome(failed=1, report=[self._problem]) if self._problem else _pytest(blender, file)
+        )
 
     def _build(self) -> str:
         say("Building the extension…")

@@ -54,9 +54,9 @@ def test_saved_paint_loads_as_it_was(
     file = tmp_path / "mine.json"
     node = material.paint_node(painted)
     node.inputs["Tilt"].default_value = 0.123
-    assert bpy.ops.material.metallic_paint_save_preset(
-        filepath=str(file), description="Mine"
-    ) == {"FINISHED"}
+    assert bpy.ops.material.metallic_paint_save_preset(filepath=str(file), description="Mine") == {
+        "FINISHED"
+    }
     assert json.loads(file.read_text())["paint"]["tilt"] == 0.123
     assert json.loads(file.read_text())["description"] == "Mine"
     expected = material.paint_of(painted)
