@@ -16,6 +16,7 @@ follow.py            lights that follow by themselves
 library.py           the asset library, in the add-on's preferences
 denoise.py           compositing that denoises all but the sparkles
 scene_report.py      what a scene needs, what the camera sees of the flakes, what spoils them
+verify_operator.py   the artist's own scene against the core, in another process
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from types import ModuleType
 
 # Each has register() and unregister().
 _MODULES = ("operators", "preset_operators", "panel", "follow", "library",
-            "denoise", "scene_report")  # fmt: skip
+            "denoise", "scene_report", "verify_operator")  # fmt: skip
 
 
 def register() -> None:

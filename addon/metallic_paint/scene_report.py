@@ -40,7 +40,8 @@ class Seen:
     normal: np.ndarray  # (n, 3), towards the camera's side
     view: np.ndarray  # (n, 3), unit, towards the camera
     footprint: np.ndarray  # (n,), of a pixel on the surface, m² of the real object
-    pixels: float  # of the picture that show the object
+    raster: np.ndarray  # (n, 2), where in the frame, in pixels from its lower left corner
+    pixels: float  # of the frame that show the object
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,6 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         brightest = max(brightest, brightness)
     lines += _clamping(scene, brightest, len(fitted.lights.slots) + bool(fitted.other_light))
     return lines
-
-
-def core_missing() -> str:
-    """Why the native module cannot be used, in a sentence; empty where it can."""
-    try:
-        import metallic_paint_core  # noqa: F401
-    except ImportError as error:
-        return f"The native module metallic_paint_core cannot be loaded: {error}."
-    return ""
 
 
 # --- settings ----------------------------------------------------------------------------------
@@ -155,7 +147,7 @@ def _about(
         if not _SMALLEST <= size <= _LARGEST:
             lines.append((WARNING, f"{label} is {_length(size)} large: is its Model Scale right?"))
         try:
-            seen = _look(scene, layer, thing, painted, unit)
+            seen = look(scene, layer, thing, painted, unit)
         except ValueError as error:
             lines.append((INFO, f"{label}: {error}"))
             continue
@@ -179,7 +171,7 @@ def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> I
     held = f"{label}: {_number(expected.flakes)} flakes a pixel"
     if expected.sparkles is None:
         yield INFO, f"{held}."
-        yield INFO, f"{label}: sparkles cannot be foretold. {core_missing()}"
+        yield INFO, f"{label}: sparkles cannot be foretold. {verify.core_missing()}"
         return
     yield (
         INFO,
@@ -213,7 +205,7 @@ def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> I
 def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected:
     per_m2 = 1e6 * sum(flakes.flakes_per_mm2 for flakes in paint.species)
     flakes = float(np.median(seen.footprint)) * per_m2
-    if core_missing():
+    if verify.core_missing():
         return Expected(flakes, None, None, None, None)
     import metallic_paint_core as core
 
@@ -261,7 +253,7 @@ def _irradiances(lamps: list[bpy.types.Object], seen: Seen) -> np.ndarray:
 # --- rays --------------------------------------------------------------------------------------
 
 
-def _look(
+def look(
     scene: bpy.types.Scene,
     layer: bpy.types.ViewLayer,
     thing: bpy.types.Object,
@@ -307,13 +299,19 @@ def _look(
             depth = 1.0 if orthographic else (matrix.translation - position).dot(axis) / -low.z
             area = pixel_area * depth**2 * view.dot(axis) / cosine * meters_per_unit**2
             facing = normal if view.dot(normal) > 0 else -normal
-            hits.append((*position, *facing, *view, area))
+            hits.append((*position, *facing, *view, area, *((x, y) * resolution)))
     if not hits:
         return None
     table = np.array(hits)
     share = len(hits) / _RAYS**2 * (box[2] - box[0]) * (box[3] - box[1])
-    return Seen(table[:, :3], table[:, 3:6], table[:, 6:9], table[:, 9],
-                float(share * resolution.prod()))  # fmt: skip
+    return Seen(
+        position=table[:, :3],
+        normal=table[:, 3:6],
+        view=table[:, 6:9],
+        footprint=table[:, 9],
+        raster=table[:, 10:],
+        pixels=float(share * resolution.prod()),
+    )
 
 
 def _box_in_picture(
