@@ -15,6 +15,7 @@ panel.py             the panel in material properties and shader editor, and the
 follow.py            lights that follow by themselves
 library.py           the asset library, in the add-on's preferences
 denoise.py           compositing that denoises all but the sparkles
+quality.py           draft, final, reference: the render settings for sparkles
 scene_report.py      what a scene needs, what the camera sees of the flakes, what spoils them
 verify_operator.py   the artist's own scene against the core, in another process
 """
@@ -26,7 +27,7 @@ from types import ModuleType
 
 # Each has register() and unregister().
 _MODULES = ("operators", "preset_operators", "panel", "follow", "library",
-            "denoise", "scene_report", "verify_operator")  # fmt: skip
+            "denoise", "quality", "scene_report", "verify_operator")  # fmt: skip
 
 
 def register() -> None:

@@ -109,12 +109,13 @@ def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterato
     if scene.render.engine != "CYCLES":
         return
     direct, indirect = scene.cycles.sample_clamp_direct, scene.cycles.sample_clamp_indirect
-    if direct > 0 and brightest * max(sources, 1) > direct:
+    sample = brightest * max(sources, 1)
+    if direct > 0 and sample > direct:
         yield (
             WARNING,
             (
-                f"Clamp Direct {direct:g} cuts sparkles: their pixels may shine with "
-                f"{_number(brightest)} W/m²/sr. 0 switches it off."
+                f"Clamp Direct {direct:g} cuts sparkles, of which a sample may bring "
+                f"{_number(sample)} W/m²/sr. 0 switches it off."
             ),
         )
     if indirect > 0 and brightest > indirect:
