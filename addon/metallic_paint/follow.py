@@ -18,21 +18,24 @@ REST_SECONDS = 0.3
 _state = {"rendering": False, "fitting": False}
 
 
-def follow() -> None:
-    """Fits the paints to the scene if it is not the one they were fitted to."""
-    if _state["rendering"] or _state["fitting"]:
-        return
+def follow() -> float | None:
+    """Fits the paints to the scene if it changed since; returns after how many seconds to retry."""
+    if _state["rendering"]:
+        return REST_SECONDS
+    if _state["fitting"]:
+        return None
     _state["fitting"] = True  # fit updates the scene, which calls the handlers
     try:
         if not needs.is_fitted(bpy.context.scene):
             needs.fit(bpy.context.scene)
     finally:
         _state["fitting"] = False
+    return None
 
 
 @persistent
 def _changed(*_: object) -> None:
-    if _state["rendering"] or _state["fitting"] or not lights.groups():
+    if _state["fitting"] or not lights.groups():
         return
     if bpy.app.background:
         follow()

@@ -16,6 +16,8 @@ import bpy
 
 from . import material, shader
 
+_PARKED = "metallic_paint_parked["
+
 
 @dataclass
 class Report:
@@ -36,8 +38,14 @@ class Report:
 
 
 def has_outdated() -> bool:
-    """Whether the file holds a paint of an older version; quick enough for a panel."""
-    return any(group.users and _is_outdated(group) for group in bpy.data.node_groups)
+    """Whether the file has a paint of an older version that it can update.
+
+    Quick enough for a panel. Linked paints count where they come from.
+    """
+    return any(
+        group.library is None and group.users > group.use_fake_user and _is_outdated(group)
+        for group in bpy.data.node_groups
+    )
 
 
 def update() -> Report:
@@ -75,7 +83,6 @@ def _outdated_nodes() -> Iterator[tuple[bpy.types.NodeTree, bpy.types.ShaderNode
 def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
     """Returns the labels that were in use and are no more."""
     values = {each.name: _value(each) for each in node.inputs if hasattr(each, "default_value")}
-    before = [socket.name for socket in node.inputs]
     links = [
         (link.from_node, link.from_socket, link.to_node, link.to_socket,
          link.from_socket.name, link.to_socket.name)
@@ -85,6 +92,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
     # Blender would join what has the same identifier, whatever it is now.
     for link in [link for link in tree.links if node in (link.from_node, link.to_node)]:
         tree.links.remove(link)
+    _park_animation(tree, node)
     node.node_tree = material.node_group()
 
     for socket in node.inputs:
@@ -100,8 +108,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
             lost.add(from_label if output is None else to_label)
         else:
             tree.links.new(output, target)
-    lost |= _point_animation(tree, node, before)
-    return lost
+    return lost | _unpark_animation(tree, node)
 
 
 def _value(socket: bpy.types.NodeSocket) -> object:
@@ -124,22 +131,29 @@ def _fitting(value: object, default: object, socket: bpy.types.NodeSocket) -> ob
     return round(value) if socket.type == "INT" else value
 
 
-def _point_animation(
-    tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup, before: list[str]
-) -> set[str]:
-    """Keys and drivers name a socket by its number: they get the label's new one."""
-    prefix = f"{node.path_from_id()}.inputs["
-    pattern = re.compile(re.escape(prefix) + r"(\d+)\](.*)", re.DOTALL)
+def _park_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> None:
+    """Keys and drivers name a socket by its number: meanwhile by its label, which nothing bears.
+
+    Blender 5 would delete those of sockets that go.
+    """
+    pattern = re.compile(re.escape(f"{node.path_from_id()}.inputs[") + r"(\d+)\](.*)", re.DOTALL)
+    labels = [socket.name for socket in node.inputs]
+    for curves in _curves(tree):
+        for curve in curves:
+            match = pattern.fullmatch(curve.data_path)
+            if match and int(match[1]) < len(labels):
+                curve.data_path = f"{_PARKED}{labels[int(match[1])]}]{match[2]}"
+
+
+def _unpark_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
+    """Back to numbers, today's; returns the labels that are no more, without their animation."""
     numbers = {socket.name: number for number, socket in enumerate(node.inputs)}
     lost = set()
     for curves in _curves(tree):
-        for curve in list(curves):
-            match = pattern.fullmatch(curve.data_path)
-            if match is None or int(match[1]) >= len(before):
-                continue
-            label = before[int(match[1])]
+        for curve in [each for each in curves if each.data_path.startswith(_PARKED)]:
+            label, _, rest = curve.data_path.removeprefix(_PARKED).rpartition("]")
             if label in numbers:
-                curve.data_path = f"{prefix}{numbers[label]}]{match[2]}"
+                curve.data_path = f"{node.path_from_id()}.inputs[{numbers[label]}]{rest}"
             else:
                 curves.remove(curve)
                 lost.add(label)

@@ -39,9 +39,7 @@ class _PaintPanel:
             draw_lines(box, "This file holds paints of an older version.", "INFO")
             box.operator(operators.MATERIAL_OT_metallic_paint_update.bl_idname)
         if lights.groups():
-            layout.operator(
-                operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT"
-            )  # fmt: skip
+            layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
             if said := needs.said():
                 draw_lines(layout.box(), said)
 

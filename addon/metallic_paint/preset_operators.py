@@ -31,6 +31,13 @@ def own() -> list[Path]:
     return sorted(own_folder().glob("*.json"))
 
 
+def own_file(node: bpy.types.ShaderNodeGroup) -> Path:
+    """Where the paint is saved unless one says otherwise: named after its material."""
+    owner = next(each for each in bpy.data.materials if each.node_tree == node.id_data)
+    name = bpy.path.clean_name(owner.name.lower().replace(" ", "-"))
+    return own_folder(create=True) / f"{name}.json"
+
+
 def swatch(name: str) -> int:
     """The number of the preset's icon, or 0, which is none."""
     file = SWATCHES / f"{name}.jpg"
@@ -118,14 +125,14 @@ finds it, or elsewhere, to share it"""
         return True
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        painted = operators.paint_node(context).id_data
-        owner = next(each for each in bpy.data.materials if each.node_tree == painted)
-        name = bpy.path.clean_name(owner.name.lower().replace(" ", "-"))
-        self.filepath = str(own_folder(create=True) / f"{name}.json")
+        self.filepath = str(own_file(operators.paint_node(context)))
         return super().invoke(context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         path = bpy.path.abspath(self.filepath)
+        if not path:
+            self.report({"ERROR"}, "The file to save the preset in has no name.")
+            return {"CANCELLED"}
         try:
             presets.save(material.paint_of(operators.paint_node(context)), path, self.description)
         except PaintError as error:

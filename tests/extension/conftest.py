@@ -5,16 +5,15 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import addon_utils
 import bpy
 import pytest
+from package import NAME, Addon
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-NAME = "bl_ext.user_default.metallic_paint"
 
 
 def pytest_configure() -> None:
@@ -44,6 +43,6 @@ def enabled(installed: Path, empty_scene: None) -> Iterator[None]:
 
 
 @pytest.fixture
-def addon() -> Callable[[str], ModuleType]:
+def addon() -> Addon:
     """The extension's module of that name."""
     return lambda name: importlib.import_module(f"{NAME}.{name}")

@@ -5,16 +5,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import bpy
 import numpy as np
 import OpenImageIO
 import pytest
-
-Addon = Callable[[str], ModuleType]
+from package import Addon
 
 
 @pytest.fixture

@@ -7,16 +7,13 @@ function, and tested for being started.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import addon_utils
 import bpy
 import pytest
-from conftest import NAME
-
-Addon = Callable[[str], ModuleType]
+from package import NAME, Addon
 
 
 @pytest.fixture(autouse=True)

@@ -5,16 +5,13 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import addon_utils
 import bpy
 import pytest
-from conftest import NAME
+from package import NAME, Addon
 
-Addon = Callable[[str], ModuleType]
 HANDLERS = ("depsgraph_update_post", "load_post", "save_pre", "undo_post", "redo_post",
             "render_init", "render_complete", "render_cancel")  # fmt: skip
 

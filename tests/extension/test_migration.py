@@ -3,14 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import bpy
 import pytest
-
-Addon = Callable[[str], ModuleType]
+from package import Addon
 
 
 def old_group(version: int = 1) -> bpy.types.ShaderNodeTree:
@@ -114,6 +111,14 @@ def test_paints_inside_groups_are_updated(addon: Addon, old: bpy.types.Material)
     assert inner.inputs["Seed"].default_value == 5
 
 
+def test_group_that_only_a_fake_user_holds_is_no_reason_to_update(
+    addon: Addon, old: bpy.types.Material
+) -> None:
+    old.node_tree.nodes["Paint"].node_tree.use_fake_user = True
+    update()
+    assert not addon("migration").has_outdated()
+
+
 def test_paint_of_a_future_version_stays(addon: Addon, old: bpy.types.Material) -> None:
     group = old.node_tree.nodes["Paint"].node_tree
     group["metallic_paint"] = addon("material").VERSION + 1
@@ -129,7 +134,7 @@ def test_same_version_with_another_shader_is_updated(addon: Addon) -> None:
     assert addon("material").paint_of(painted) == addon("presets").load("gold")
 
 
-def test_linked_paints_are_told_of(
+def test_linked_paints_stay_and_are_told_of(
     addon: Addon, old: bpy.types.Material, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     file = str(tmp_path / "old.blend")
@@ -139,6 +144,11 @@ def test_linked_paints_are_told_of(
         into.materials = ["Old"]
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.active_material = bpy.data.materials["Old"]
+    assert not addon("migration").has_outdated()
+    ours = bpy.data.materials.new("Ours")
+    if ours.node_tree is None:
+        ours.use_nodes = True  # Blender 4.5
+    ours.node_tree.nodes.new("ShaderNodeGroup").node_tree = old_group()
     update()
     assert "Linked paints stay as they are: 1" in capfd.readouterr().out
     assert bpy.data.materials["Old"].node_tree.nodes["Paint"].inputs["Seed"].default_value == 7

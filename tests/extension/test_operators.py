@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import bpy
 import pytest
-
-Addon = Callable[[str], ModuleType]
+from package import Addon
 
 
 @pytest.fixture
@@ -173,6 +171,17 @@ def test_one_button_puts_the_scene_on_cycles_with_osl(addon: Addon) -> None:
     assert missing(scene) == ""
     assert (scene.render.engine, scene.cycles.device) == ("CYCLES", "CPU")
     assert scene.cycles.shading_system
+
+
+def test_a_gpu_is_warned_of(addon: Addon) -> None:
+    scene, missing = bpy.context.scene, addon("material").missing
+    bpy.ops.scene.metallic_paint_use_osl()
+    scene.cycles.device = "GPU"
+    assert missing(scene) == ""  # without a GPU Cycles takes the CPU
+    bpy.context.preferences.addons["cycles"].preferences.compute_device_type = "CUDA"
+    assert "renders on the GPU" in missing(scene)
+    bpy.ops.scene.metallic_paint_use_osl()
+    assert missing(scene) == ""
 
 
 def test_update_paints_refuses_where_all_are_new(cube: bpy.types.Object) -> None:

@@ -4,14 +4,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import bpy
 import pytest
-
-Addon = Callable[[str], ModuleType]
+from package import Addon
 
 
 @pytest.fixture
@@ -125,14 +122,22 @@ def test_operators_refuse_without_a_paint(action: str, tmp_path: Path) -> None:
         run()
 
 
-def test_own_presets_outlive_the_package(addon: Addon, installed: Path) -> None:
-    folder = addon("preset_operators").own_folder(create=True)
-    assert folder.is_dir()
-    assert installed not in folder.parents
+def test_own_presets_outlive_the_package(
+    addon: Addon, painted: bpy.types.Material, installed: Path
+) -> None:
+    painted.name = "My Gold/2"
+    file = addon("preset_operators").own_file(addon("material").paint_node(painted))
+    assert file.name == "my-gold_2.json"
+    assert file.parent.is_dir()
+    assert installed not in file.parents
+
+
+def test_saving_without_a_name(painted: bpy.types.Material) -> None:
+    with pytest.raises(RuntimeError, match="has no name"):
+        bpy.ops.material.metallic_paint_save_preset(filepath="")
 
 
 def test_every_preset_has_a_swatch(addon: Addon) -> None:
-    bpy.utils.previews  # noqa: B018
     for name in addon("presets").names():
         addon("preset_operators").swatch(name)  # icons have no numbers without a window
         assert tuple(addon("preset_operators")._previews[0][name].image_size) == (128, 128)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A layout that records what a draw function asks for, and refuses what Blender would refuse.
+
+Blender's module has no window, so no interface is drawn for real here: operators, properties, menus
+and icons are checked against Blender's own lists instead.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+
+ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys()
+
+
+class Layout:
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self.operators: list[tuple[str, dict[str, object]]] = []
+        self.menus: list[str] = []
+        self.alert = False
+        self.operator_context = ""
+
+    def column(self, align: bool = False) -> Layout:
+        return self
+
+    box = row = column
+
+    def separator(self) -> None:
+        pass
+
+    def label(self, text: str = "", icon: str = "NONE") -> None:
+        assert icon in ICONS, icon
+        self.texts.append(text)
+
+    def menu(self, name: str, text: str = "", icon: str = "NONE") -> None:
+        assert icon in ICONS, icon
+        assert issubclass(getattr(bpy.types, name), bpy.types.Menu)
+        self.menus.append(name)
+
+    def operator(
+        self, name: str, text: str = "", icon: str = "NONE", icon_value: int = 0
+    ) -> SimpleNamespace:
+        assert icon in ICONS, icon
+        space, _, function = name.partition(".")
+        known = getattr(getattr(bpy.ops, space), function).get_rna_type().properties.keys()
+        values: dict[str, object] = {}
+        self.operators.append((name, values))
+        self.texts.append(text)
+
+        class Properties:
+            def __setattr__(self, key: str, value: object) -> None:
+                assert key in known, key
+                values[key] = value
+
+        return Properties()
+
+    @property
+    def names(self) -> list[str]:
+        return [name for name, _ in self.operators]
+
+
+def drawn(panel: type, context: object = None) -> Layout:
+    """What a panel, menu or preferences' class draws in the context."""
+    layout = Layout()
+    panel.draw(SimpleNamespace(layout=layout), context or bpy.context)
+    return layout

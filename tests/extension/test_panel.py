@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the panels, menus and preferences show, with a layout that records (see recording.py)."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import pytest
+from package import Addon
+from recording import Layout, drawn
+
+
+@pytest.fixture
+def cube() -> bpy.types.Object:
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+def panel() -> Layout:
+    assert bpy.types.MATERIAL_PT_metallic_paint.poll(bpy.context)
+    return drawn(bpy.types.MATERIAL_PT_metallic_paint)
+
+
+def test_panel_is_for_objects_with_a_surface(cube: bpy.types.Object) -> None:
+    poll = bpy.types.MATERIAL_PT_metallic_paint.poll
+    assert poll(bpy.context)
+    bpy.ops.object.camera_add()
+    assert not poll(bpy.context)
+    bpy.ops.object.delete()
+    assert not poll(bpy.context)
+
+
+def test_panel_offers_a_new_paint_until_there_is_one(cube: bpy.types.Object) -> None:
+    assert "material.metallic_paint_new" in panel().names
+    bpy.ops.material.metallic_paint_new()
+    assert "material.metallic_paint_new" not in panel().names
+    assert panel().menus == ["MATERIAL_MT_metallic_paint_presets"]
+
+
+@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_WORKBENCH"])
+def test_warning_stands_with_its_button(cube: bpy.types.Object, engine: str) -> None:
+    bpy.context.scene.render.engine = engine
+    warning = "Open Shading Language is off" if engine == "CYCLES" else "not render with Cycles"
+    assert warning in " ".join(panel().texts)
+    assert "scene.metallic_paint_use_osl" in panel().names
+    bpy.ops.scene.metallic_paint_use_osl()
+    assert warning not in " ".join(panel().texts)
+    assert "scene.metallic_paint_use_osl" not in panel().names
+
+
+def test_panel_tells_what_the_last_fit_said(cube: bpy.types.Object) -> None:
+    assert "scene.metallic_paint_update_lights" not in panel().names
+    bpy.ops.material.metallic_paint_new()
+    bpy.ops.object.light_add(type="SUN")
+    bpy.context.view_layer.objects.active = cube
+    shown = panel()
+    assert "scene.metallic_paint_update_lights" in shown.names
+    assert "light 1: Sun" in shown.texts
+    assert all(len(text) <= 60 for text in shown.texts)
+
+
+def test_notice_of_older_paints(addon: Addon, cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    assert "material.metallic_paint_update" not in panel().names
+    addon("material").node_group()["metallic_paint_source"] = "older"
+    assert "material.metallic_paint_update" in panel().names
+    assert "This file holds paints of an older version." in panel().texts
+
+
+def test_panel_in_the_shader_editor(cube: bpy.types.Object) -> None:
+    of = bpy.types.NODE_PT_metallic_paint
+    for kind, shown in (("OBJECT", True), ("WORLD", False)):
+        space = SimpleNamespace(tree_type="ShaderNodeTree", shader_type=kind)
+        assert of.poll(SimpleNamespace(space_data=space)) == shown
+    assert "material.metallic_paint_new" in drawn(of).names
+
+
+def test_add_menu_has_the_paint(addon: Addon) -> None:
+    for kind, entries in (("OBJECT", ["node.metallic_paint_add"]), ("WORLD", [])):
+        layout = Layout()
+        space = SimpleNamespace(shader_type=kind)
+        addon("panel")._draw_add(SimpleNamespace(layout=layout), SimpleNamespace(space_data=space))
+        assert layout.names == entries
+
+
+def test_preset_menu_applies_to_a_paint_or_makes_one(addon: Addon, cube: bpy.types.Object) -> None:
+    names = addon("presets").names()
+    for action in ("new", "apply_preset"):
+        menu = drawn(bpy.types.MATERIAL_MT_metallic_paint_presets)
+        chosen = [values["preset"] for name, values in menu.operators
+                  if name == f"material.metallic_paint_{action}"]  # fmt: skip
+        assert chosen == names
+        assert menu.names[len(names) :] == [
+            "material.metallic_paint_load_preset", "material.metallic_paint_save_preset"
+        ]  # fmt: skip
+        bpy.ops.material.metallic_paint_new()
+
+
+def test_preset_menu_lists_own_presets(addon: Addon, cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new(preset="lime")
+    file = addon("preset_operators").own_folder(create=True) / "my-lime.json"
+    bpy.ops.material.metallic_paint_save_preset(filepath=str(file))
+    try:
+        menu = drawn(bpy.types.MATERIAL_MT_metallic_paint_presets)
+        assert "My Lime" in menu.texts
+        assert {"preset": str(file)} in [values for _, values in menu.operators]
+    finally:
+        file.unlink()
+
+
+# --- the asset library -------------------------------------------------------------------------
+
+
+def preferences(addon: Addon) -> Layout:
+    return drawn(addon("library").MetallicPaintPreferences)
+
+
+def test_asset_library_comes_and_goes_by_buttons(addon: Addon) -> None:
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    before = libraries.keys()
+    assert preferences(addon).names == ["preferences.metallic_paint_add_library"]
+    with pytest.raises(RuntimeError, match="The asset library is not there"):
+        bpy.ops.preferences.metallic_paint_remove_library()
+    assert bpy.ops.preferences.metallic_paint_add_library() == {"FINISHED"}
+    assert libraries.keys() == [*before, "Metallic Paint"]
+    assert preferences(addon).names == ["preferences.metallic_paint_remove_library"]
+    with pytest.raises(RuntimeError, match="there already"):
+        bpy.ops.preferences.metallic_paint_add_library()
+    assert bpy.ops.preferences.metallic_paint_remove_library() == {"FINISHED"}
+    assert libraries.keys() == before
+
+
+def test_build_without_library_says_so(
+    addon: Addon, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(addon("library"), "FOLDER", tmp_path / "none")
+    with pytest.raises(RuntimeError, match="comes without an asset library"):
+        bpy.ops.preferences.metallic_paint_add_library()
+
+
+def test_asset_library_holds_every_preset(
+    addon: Addon, cube: bpy.types.Object, installed: Path
+) -> None:
+    material, presets = addon("material"), addon("presets")
+    folder = installed / "assets"
+    catalogs = (folder / "blender_assets.cats.txt").read_text().splitlines()
+    [catalog] = [line.split(":")[0] for line in catalogs if line.count(":") == 2]
+    with bpy.data.libraries.load(
+        str(folder / "metallic_paint.blend"), link=False, assets_only=True
+    ) as (there, here):
+        here.materials = there.materials
+    assert len(here.materials) == len(presets.names())
+    paints = sorted(here.materials, key=lambda painted: painted.name)
+    for name, painted in zip(presets.names(), paints, strict=True):
+        assert material.paint_of(painted) == presets.load(name)
+        assert painted.asset_data.catalog_id == catalog
+        assert painted.asset_data.description
+        assert tuple(painted.preview.image_size) == (128, 128)
+    assert not [thing for thing in bpy.data.objects if thing != cube]
+    cube.active_material = here.materials[0]
+    bpy.ops.object.light_add(type="SUN")
+    assert len(addon("lights").values()) == 1
+    assert len(addon("lights").groups()) == 1
+    assert not addon("migration").has_outdated()
+
+
+# --- words -------------------------------------------------------------------------------------
+
+
+def test_labels_are_in_title_case_and_tooltips_end_without_a_full_stop(addon: Addon) -> None:
+    kinds = [getattr(bpy.types, name) for name in dir(bpy.types) if "metallic_paint" in name]
+    operators = [kind for kind in kinds if issubclass(kind, bpy.types.Operator)]
+    assert len(operators) >= 10
+    for kind in operators:
+        assert kind.__doc__, kind
+        assert not kind.__doc__.endswith("."), kind
+        small = {"a", "as", "for", "from", "of", "on", "the", "to", "with"}
+        words = [word for word in kind.bl_label.split() if word not in small]
+        assert all(word[0].isupper() for word in words), kind.bl_label
+
+
+def test_manifest_names_what_the_zip_holds(installed: Path) -> None:
+    manifest = tomllib.loads((installed / "blender_manifest.toml").read_text())
+    assert manifest["id"] == "metallic_paint"
+    assert manifest["wheels"]
+    for wheel in manifest["wheels"]:
+        assert (installed / wheel).is_file(), wheel
+        assert "manylinux" in wheel
