@@ -82,14 +82,18 @@ class Found:
 
 
 def why_not(scene: bpy.types.Scene, thing: bpy.types.Object | None) -> str:
-    """What keeps the scene from being checked, in a sentence; empty where nothing does."""
+    """What keeps the scene from being checked, in a sentence; quick enough for a panel."""
     if missing := verify.core_missing():
         return f"{missing} The paint works without it"
     if scene.camera is None:
         return "The scene has no camera"
-    painted = _painted(thing)
-    if painted is None:
+    if _painted(thing) is None:
         return "Select an object with a metallic paint"
+    return ""
+
+
+def _unlike_core(painted: bpy.types.Material) -> str:
+    """Why the core cannot have this paint, in a sentence; too slow for a panel."""
     tree = material.paint_node(painted).node_tree
     if not material.is_current(tree, material.digest(shader.source())):
         return f"The paint of “{painted.name}” is of an older version: update it first"
@@ -119,7 +123,7 @@ class Job:
     """The other process, and what it has said. close() ends it and removes its files."""
 
     def __init__(self, scene: bpy.types.Scene, thing: bpy.types.Object, size: int = SIZE) -> None:
-        if reason := why_not(scene, thing):
+        if reason := why_not(scene, thing) or _unlike_core(_painted(thing)):
             raise VerifyError(f"{reason}.")
         self.progress, self.what = 0.0, "Starting Blender"
         self.found: Found | None = None

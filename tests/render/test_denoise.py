@@ -17,6 +17,7 @@ import panels
 import pytest
 from lamps import add_lamp
 from metallic_paint import denoise, material, presets, verify
+from recording import drawn
 
 SIZE = 80
 SAMPLES, REFERENCE_SAMPLES = 32, 512
@@ -174,7 +175,7 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
     for _ in range(2):  # once more renews
         assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
     remover = "scene.metallic_paint_denoise_remove"
-    assert remover in panels.drawn(denoise.MATERIAL_PT_metallic_paint_denoise)
+    assert remover in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).names
     assert not scene.cycles.use_denoising
     assert scene.objects["Sun"].lightgroup == "Key"
     assert scene.objects["Point"].lightgroup == denoise.LIGHT_GROUP
@@ -206,7 +207,7 @@ def test_an_artists_compositing_stays(registered: None) -> None:
     with pytest.raises(denoise.DenoiseError, match="Glare"):
         denoise.set_up(scene)
     assert state(scene) == before
-    assert "Glare" in panels.drawn(denoise.MATERIAL_PT_metallic_paint_denoise)[-1]
+    assert "Glare" in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
 
 
 def test_nodes_that_an_artist_adds_to_ours_stay() -> None:

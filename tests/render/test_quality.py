@@ -13,6 +13,7 @@ import panels
 import pytest
 from lamps import add_lamp
 from metallic_paint import material, needs, presets, quality, verify
+from recording import drawn
 
 SIZE = 28
 
@@ -131,5 +132,5 @@ def test_an_unknown_quality_and_another_engine_are_refused(registered: None) -> 
 
 def test_the_panel_has_three_buttons(registered: None) -> None:
     build()
-    drawn = panels.drawn(quality.MATERIAL_PT_metallic_paint_quality)
-    assert drawn.count("scene.metallic_paint_quality") == 3
+    buttons = drawn(quality.MATERIAL_PT_metallic_paint_quality).names
+    assert buttons.count("scene.metallic_paint_quality") == 3

@@ -14,6 +14,7 @@ import panels
 import pytest
 from lamps import add_lamp
 from metallic_paint import denoise, lights, material, presets, scene_report, verify
+from recording import drawn
 
 SIZE = 64
 
@@ -200,7 +201,8 @@ def test_values_that_no_paint_can_have_are_named() -> None:
 def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:
     scene = build()
     panel = scene_report.MATERIAL_PT_metallic_paint_report
-    assert panels.drawn(panel) == ["scene.metallic_paint_report"]
+    assert drawn(panel).names == ["scene.metallic_paint_report"]
+    assert not any(drawn(panel).texts)
     scene.cycles.sample_clamp_direct = 0.25
     assert bpy.ops.scene.metallic_paint_report() == {"FINISHED"}
-    assert any("Clamp Direct" in text for text in panels.drawn(panel))
+    assert any("Clamp Direct" in text for text in drawn(panel).texts)

@@ -17,6 +17,7 @@ import panels
 import pytest
 from lamps import add_lamp
 from metallic_paint import material, presets, verify_operator
+from recording import drawn
 
 SIZE = 40
 
@@ -94,7 +95,7 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
     before = state()
     assert bpy.ops.scene.metallic_paint_verify(size=SIZE) == {"FINISHED"}
     assert state() == before
-    text = "\n".join(panels.drawn(verify_operator.MATERIAL_PT_metallic_paint_verify))
+    text = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
     assert "agree with the core" in text
     assert "DO NOT" not in text
     shown, wanted, difference = (
@@ -193,11 +194,12 @@ def operator() -> Iterator[SimpleNamespace]:
 
 
 def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
-    operator: SimpleNamespace,
+    registered: None, operator: SimpleNamespace
 ) -> None:
     scene = build()
     verify_operator._running.append(verify_operator.Job(scene, scene.objects["Monkey"], SIZE))
     assert operator.send("MOUSEMOVE") == {"PASS_THROUGH"}
+    assert "Esc stops" in drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts[-1]
     end = time.monotonic() + 120
     while (said := operator.send("TIMER")) == {"PASS_THROUGH"} and time.monotonic() < end:
         time.sleep(0.05)
@@ -224,6 +226,15 @@ def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.Mo
     with pytest.raises(RuntimeError, match="Select an object with a metallic paint"):
         bpy.ops.scene.metallic_paint_verify()
     thing = bpy.context.view_layer.objects.active = scene.objects["Monkey"]
+    node = material.paint_node(thing.active_material)
+    node.inputs["Tilt"].default_value = 1000
+    with pytest.raises(RuntimeError, match=r"tilt is 1000.0 and must lie in"):
+        bpy.ops.scene.metallic_paint_verify()
+    node.inputs["Tilt"].default_value = 0.1
+    node.node_tree["metallic_paint_source"] = "of yesterday"
+    with pytest.raises(verify_operator.VerifyError, match="of an older version"):
+        verify_operator.run(scene, thing, SIZE)
+    node.node_tree["metallic_paint_source"] = material.digest(verify_operator.shader.source())
     for lamp in [each for each in scene.objects if each.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
     with pytest.raises(verify_operator.VerifyError, match="No sun, spot or point light renders"):
@@ -236,6 +247,6 @@ def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
     with pytest.raises(RuntimeError, match="metallic_paint_core cannot be loaded"):
         bpy.ops.scene.metallic_paint_verify()
-    drawn = "\n".join(panels.drawn(verify_operator.MATERIAL_PT_metallic_paint_verify))
-    assert "cannot be loaded" in drawn
-    assert "works without it" in drawn.replace("\n", " ")
+    shown = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    assert "cannot be loaded" in shown
+    assert "works without it" in shown.replace("\n", " ")
