@@ -300,7 +300,7 @@ class SCENE_OT_metallic_paint_denoise(bpy.types.Operator):
 goes through it"""
 
     bl_idname = "scene.metallic_paint_denoise"
-    bl_label = "Denoise and Keep Sparkles"
+    bl_label = "Denoise, Keep Sparkles"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
