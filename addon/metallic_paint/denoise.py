@@ -9,23 +9,24 @@ and from the same samples; so
     S = max(0, G − (picture − L))
 
 takes the noisy mirrored world away again, exactly. It also takes from each sparkle what the pixel
-shows of the world by diffuse and repeated reflection. This little stays in the rest, whose sum with
-S is the picture as it was:
+shows of the world by diffuse and repeated reflection. This little stays in the rest. Other things
+than paint do not sparkle: a matte of the painted materials (Cryptomatte), m, leaves them to the
+denoiser. The sum of both is the picture as it was:
 
-    shown = denoised(picture − S) + S
+    shown = denoised(picture − m S) + m S
 """
 
 from __future__ import annotations
 
 import bpy
 
-from . import needs
+from . import lights, needs
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
 
 _MARK = "metallic_paint_denoise"  # of our node trees; of the scene: what was before
-_PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color")
+_PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
 _BLENDER_5 = bpy.app.version >= (5, 0)
 _GLOSSY = ("Glossy Direct", "Glossy Color") if _BLENDER_5 else ("GlossDir", "GlossCol")
 _GUIDES = ("Denoising Albedo", "Denoising Normal")
@@ -66,9 +67,9 @@ def is_set_up(scene: bpy.types.Scene) -> bool:
 def set_up(scene: bpy.types.Scene) -> list[str]:
     """Sets up passes, light groups and compositing; returns what it changed, in sentences.
 
-    Call it again when lights came: it renews what it made. remove() is its inverse. Lamps keep
-    their light groups; those without one come into the group "Sparkles". Raises DenoiseError, with
-    nothing changed, where the scene has compositing of its own.
+    Call it again when lights or painted materials came: it renews what it made. remove() is its
+    inverse. Lamps keep their light groups; those without one come into the group "Sparkles". Raises
+    DenoiseError, with nothing changed, where the scene has compositing of its own.
     """
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
@@ -130,7 +131,7 @@ def node_group() -> bpy.types.NodeTree:
     """The file's group that denoises all but the sparkles, made when there is none.
 
     Inputs: the picture, its passes Glossy Direct and Glossy Color, the sum of the light groups that
-    hold the lamps with a slot, and the denoiser's guides.
+    hold the lamps with a slot, the denoiser's guides, and the matte of the paint.
     """
     for group in bpy.data.node_groups:
         if group.get(_MARK) == "group" and group.library is None:
@@ -140,13 +141,16 @@ def node_group() -> bpy.types.NodeTree:
     for label in ("Image", "Light Groups", "Glossy Direct", "Glossy Color", "Albedo"):
         group.interface.new_socket(label, in_out="INPUT", socket_type="NodeSocketColor")
     group.interface.new_socket("Normal", in_out="INPUT", socket_type="NodeSocketVector")
+    matte = group.interface.new_socket("Paint", in_out="INPUT", socket_type="NodeSocketFloat")
+    matte.default_value = 1
     group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     inside = group.nodes.new("NodeGroupInput")
     out = group.nodes.new("NodeGroupOutput")
-    image, lamps, direct, color, albedo, normal = inside.outputs[:6]
+    image, lamps, direct, color, albedo, normal, paint = inside.outputs[:7]
     other = _mix(group, "SUBTRACT", image, lamps)
     glossy = _mix(group, "MULTIPLY", direct, color)
     sparkles = _mix(group, "LIGHTEN", _mix(group, "SUBTRACT", glossy, other), None)
+    sparkles = _mix(group, "MULTIPLY", sparkles, paint)
     denoise = group.nodes.new("CompositorNodeDenoise")
     links = group.links
     links.new(_mix(group, "SUBTRACT", image, sparkles), denoise.inputs["Image"])
@@ -234,12 +238,25 @@ def _compose(
     labels = ("Image", "Glossy Direct", "Glossy Color", "Albedo", "Normal")
     for name, label in zip(names, labels, strict=True):
         links.new(passes.outputs[name], node.inputs[label])
+    matte = tree.nodes.new("CompositorNodeCryptomatteV2")
+    matte.scene, matte.layer_name = scene, f"{layer.name}.CryptoMaterial"
+    matte.matte_id = ",".join(_painted(layer))
+    links.new(matte.outputs["Matte"], node.inputs["Paint"])
     if lamps is None:
         node.inputs["Light Groups"].default_value = (0, 0, 0, 0)
     else:
         links.new(lamps, node.inputs["Light Groups"])
     links.new(node.outputs["Image"], out.inputs["Image"])
     _lay_out(tree)
+
+
+def _painted(layer: bpy.types.ViewLayer) -> list[str]:
+    """Names of the materials that hold a paint, of objects that render."""
+    slots = [slot for thing in lights.rendered(layer, ever=True) for slot in thing.material_slots]
+    painted = {
+        s.material.name for s in slots if s.material and lights.holds_slots(s.material.node_tree)
+    }
+    return sorted(painted)
 
 
 def _take_down(scene: bpy.types.Scene, was: dict) -> None:

@@ -299,14 +299,14 @@ def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
 
 def is_painted(thing: bpy.types.Object) -> bool:
     materials = [slot.material for slot in thing.material_slots if slot.material]
-    return any(_holds_slots(each.node_tree) for each in materials)
+    return any(holds_slots(each.node_tree) for each in materials)
 
 
-def _holds_slots(tree: bpy.types.NodeTree | None) -> bool:
+def holds_slots(tree: bpy.types.NodeTree | None) -> bool:
     if tree is None:
         return False
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree]
-    return any(_MARK in group or _holds_slots(group) for group in groups)
+    return any(_MARK in group or holds_slots(group) for group in groups)
 
 
 def _irradiances(
