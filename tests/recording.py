@@ -19,8 +19,6 @@ class Layout:
         self.texts: list[str] = []
         self.operators: list[tuple[str, dict[str, object]]] = []
         self.menus: list[str] = []
-        self.alert = False
-        self.operator_context = ""
 
     def column(self, align: bool = False) -> Layout:
         return self

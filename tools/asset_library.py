@@ -60,7 +60,6 @@ def write_library(folder: Path, swatches: Path) -> None:
         painted.asset_mark()
         painted.asset_data.catalog_id = CATALOG
         painted.asset_data.description = content["description"]
-        painted.asset_data.license = "CC0-1.0"
         _set_preview(painted, swatches / f"{name}.jpg")
         paints.add(painted)
     file = folder / "metallic_paint.blend"

@@ -46,6 +46,8 @@ def _changed(*_: object) -> None:
 
 @persistent
 def _before_saving(*_: object) -> None:
+    """The timer may not have come yet, nor Blender's own update."""
+    bpy.context.view_layer.update()
     follow()
 
 

@@ -66,6 +66,11 @@ def groups() -> list[bpy.types.ShaderNodeTree]:
     return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
+def version(group: bpy.types.NodeTree) -> int:
+    """Of a group of light slots, at least 1; 0 for other groups."""
+    return group.get(_MARK, 0)
+
+
 def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 
@@ -103,6 +108,13 @@ def fill(scene: bpy.types.Scene) -> Report:
 def show_other_light(needed: bool) -> None:
     """Whether the flakes show light from elsewhere than the slots, until the next fill."""
     node_group().nodes[OTHER_LIGHT].outputs[0].default_value = float(needed)
+
+
+def are_fed() -> bool:
+    """Whether the light of every slot in use still exists."""
+    animation = node_group().animation_data
+    drivers = [curve.driver for curve in animation.drivers] if animation else []
+    return all(variable.targets[0].id for driver in drivers for variable in driver.variables)
 
 
 def values() -> list[tuple[float, Vector, float]]:
@@ -303,6 +315,7 @@ def is_painted(thing: bpy.types.Object) -> bool:
 
 
 def holds_slots(tree: bpy.types.NodeTree | None) -> bool:
+    """Whether there is a paint in the tree or in a group of it."""
     if tree is None:
         return False
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree]

@@ -14,7 +14,7 @@ from functools import cache
 
 import bpy
 
-from . import material, shader
+from . import lights, material, shader
 
 _PARKED = "metallic_paint_parked["
 
@@ -175,7 +175,7 @@ def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.bpy_prop_collection]
 
 
 def _remove_unused() -> None:
-    """The groups that nobody holds any more, with their light slots and their texts."""
+    """What nobody holds any more goes; the new groups get its names."""
     for group in [each for each in bpy.data.node_groups if each.library is None]:
         if group.users == 0 and _is_outdated(group):
             texts = [node.script for node in group.nodes if node.type == "SCRIPT" and node.script]
@@ -183,3 +183,8 @@ def _remove_unused() -> None:
             for text in texts:
                 if text.users <= text.use_fake_user:
                     bpy.data.texts.remove(text)
+    for group in [each for each in bpy.data.node_groups if each.library is None]:
+        if group.users == 0 and 0 < lights.version(group) < lights.VERSION:
+            bpy.data.node_groups.remove(group)
+    material.node_group().name = material.NAME
+    lights.node_group().name = lights.NAME

@@ -78,7 +78,9 @@ def fit(scene: bpy.types.Scene) -> Needs:
 def is_fitted(scene: bpy.types.Scene) -> bool:
     """Whether fit has nothing new to find, or the file has no paint of its own."""
     groups = lights.groups()
-    return not groups or (len(groups) == 1 and groups[0].get(_FITTED_TO) == _fingerprint(scene))
+    if len(groups) != 1:
+        return not groups
+    return groups[0].get(_FITTED_TO) == _fingerprint(scene) and lights.are_fed()
 
 
 def said() -> str:
@@ -87,7 +89,10 @@ def said() -> str:
 
 
 def _fingerprint(scene: bpy.types.Scene) -> str:
-    """Of what fit looks at. Places of lamps and paints count only where fit asks for them."""
+    """Of what fit looks at, by names, which outlive the session.
+
+    Places of lamps and paints, and the form of a mesh, count only where fit asks for them.
+    """
     layers = [layer for layer in scene.view_layers if layer.use]
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
@@ -96,24 +101,38 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [(lamp.name_full, lamp.data.type, lamp.hide_render) for lamp in lamps]
+    seen += [
+        (lamp.name_full, lamp.hide_render, lamp.data.name_full, lamp.data.type) for lamp in lamps
+    ]
     seen += [
         (
-            shape.name_full, shape.hide_render, shape.instance_type, shape.instance_collection,
-            lights.is_painted(shape), _may_emit(shape), _may_hold_a_volume(shape),
+            shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),
+            [modifier.type for modifier in shape.modifiers],
+            [slot.material and slot.material.name_full for slot in shape.material_slots],
         )
         for shape in shapes
     ]  # fmt: skip
+    materials = dict.fromkeys(each for shape in shapes for each in _materials(shape))
+    seen += [
+        (_material_may_emit(each), _has_volume(each), lights.holds_slots(each.node_tree))
+        for each in materials
+    ]
     if len(lamps) > lights.SLOTS or len(shapes) == 1:
-        seen += [_place(thing) for thing in (*lamps, *shapes)]
+        placed = (*lamps, *filter(lights.is_painted, shapes))
+        seen += [thing.matrix_world for thing in placed]
         seen += [_brightness(lamp) for lamp in lamps]
     if len(shapes) == 1:
         seen.append(_shape(shapes[0]))
     return hashlib.sha256(repr(seen).encode()).hexdigest()
 
 
-def _place(thing: bpy.types.Object) -> list[float]:
-    return [round(x, 5) for row in thing.matrix_world for x in row]
+def _instanced_lamps(thing: bpy.types.Object) -> list[str] | str:
+    """The lights that an instance of a collection multiplies; otherwise what kind of instancer."""
+    if thing.instance_collection is None:
+        return thing.instance_type
+    return [
+        each.name_full for each in thing.instance_collection.all_objects if each.type == "LIGHT"
+    ]
 
 
 def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
@@ -260,8 +279,12 @@ def _node_may_emit(node: bpy.types.Node) -> bool:
 def _may_hold_a_volume(thing: bpy.types.Object) -> bool:
     if thing.type == "VOLUME" or _makes_more(thing):
         return True
-    trees = [each.node_tree for each in _materials(thing) if each.node_tree]
-    outputs = [node for tree in trees for node in tree.nodes if node.type == "OUTPUT_MATERIAL"]
+    return any(map(_has_volume, _materials(thing)))
+
+
+def _has_volume(surface: bpy.types.Material) -> bool:
+    nodes = surface.node_tree.nodes if surface.node_tree else ()
+    outputs = [node for node in nodes if node.type == "OUTPUT_MATERIAL"]
     return any(node.inputs["Volume"].is_linked for node in outputs)
 
 

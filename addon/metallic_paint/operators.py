@@ -62,7 +62,8 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
         if thing is None or thing.type not in PAINTABLE:
             cls.poll_message_set("Select an object whose surface can hold a material")
             return False
-        by_object = any(slot.link == "OBJECT" for slot in thing.material_slots)
+        slots, active = thing.material_slots, thing.active_material_index
+        by_object = active < len(slots) and slots[active].link == "OBJECT"
         if not thing.is_editable or not (thing.data.is_editable or by_object):
             cls.poll_message_set("The object is linked from another file and cannot be changed")
             return False

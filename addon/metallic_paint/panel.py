@@ -71,7 +71,6 @@ def _draw_add(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     """Entry of the shader editor's Add menu."""
     if context.space_data.shader_type == "OBJECT":
         menu.layout.separator()
-        menu.layout.operator_context = "INVOKE_REGION_WIN"
         menu.layout.operator(operators.NODE_OT_metallic_paint_add.bl_idname)
 
 

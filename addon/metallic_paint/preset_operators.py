@@ -24,7 +24,12 @@ _previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while reg
 
 def own_folder(create: bool = False) -> Path:
     """Where the user's presets are; it outlives an update of the add-on."""
-    return Path(bpy.utils.extension_path_user(__package__, path="presets", create=create))
+    if __package__.startswith("bl_ext."):
+        folder = bpy.utils.extension_path_user(__package__, path="presets", create=create)
+    else:  # run from the repository
+        path = f"{__package__}/presets"
+        folder = bpy.utils.user_resource("CONFIG", path=path, create=create)
+    return Path(folder)
 
 
 def own() -> list[Path]:

@@ -75,9 +75,12 @@ def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.type
     assert addon("lights").values()
     assert "no sparkles from" not in addon("needs").said()
     collection.objects.link(sun)
-    bpy.context.scene.collection.objects.unlink(sun)
     bpy.context.view_layer.update()
-    assert "no sparkles from Sun: an instanced light" in addon("needs").said()
+    assert "no sparkles from" not in addon("needs").said()  # it shines where it stands as well
+    spare = bpy.data.objects.new("Spare", bpy.data.lights.new("Spare", "SUN"))
+    collection.objects.link(spare)  # which shines in the instance alone
+    bpy.context.view_layer.update()
+    assert "no sparkles from Spare: an instanced light" in addon("needs").said()
 
 
 @pytest.mark.parametrize("link", [True, False])

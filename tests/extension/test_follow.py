@@ -64,6 +64,25 @@ def test_deleted_lights_leave_their_slot(addon: Addon) -> None:
     assert addon("lights").values() == []
 
 
+def test_light_of_the_same_name_takes_over(addon: Addon) -> None:
+    lamp = add("POINT", "Lamp", 1)
+    data = lamp.data
+    bpy.data.objects.remove(lamp)
+    bpy.data.lights.remove(data)
+    add("POINT", "Lamp", 5)
+    [(_, vector, _)] = addon("lights").values()
+    assert vector.x == 5
+
+
+def test_light_with_other_data_takes_its_radius(addon: Addon) -> None:
+    lamp = add("POINT", "Lamp")
+    lamp.data = bpy.data.lights.new("Other", "POINT")
+    lamp.data.shadow_soft_size = 0.75
+    update()
+    [(_, _, size)] = addon("lights").values()
+    assert size == 0.75
+
+
 def test_renamed_lights_move(addon: Addon) -> None:
     lamp, _ = add("POINT", "A", 1), add("POINT", "B", 2)
     lamp.name = "C"
@@ -103,6 +122,33 @@ def test_excluded_collections_take_their_lights_along(addon: Addon) -> None:
     bpy.context.view_layer.layer_collection.children["Lamps"].exclude = True
     update()
     assert addon("lights").values() == []
+
+
+def test_lights_linked_from_another_file(addon: Addon, tmp_path: Path) -> None:
+    lamp = add("POINT", "Theirs", 3)
+    file = str(tmp_path / "lamps.blend")
+    bpy.data.libraries.write(file, {lamp})
+    bpy.data.objects.remove(lamp)
+    with bpy.data.libraries.load(file, link=True) as (_, into):
+        into.objects = ["Theirs"]
+    bpy.context.scene.collection.objects.link(into.objects[0])
+    update()
+    [(_, vector, _)] = addon("lights").values()
+    assert vector.x == 3
+
+
+def test_parented_and_animated_lights_follow_their_parent(addon: Addon) -> None:
+    bpy.ops.object.empty_add()
+    parent = bpy.context.object
+    for frame, x in ((1, 0), (11, 10)):
+        parent.location.x = x
+        parent.keyframe_insert("location", frame=frame)
+    add("POINT", "Lamp").parent = parent
+    update()
+    for frame, x in ((1, 0), (11, 10)):
+        bpy.context.scene.frame_set(frame)
+        [(_, vector, _)] = addon("lights").values()
+        assert vector.x == pytest.approx(x)
 
 
 def test_brighter_ninth_light_wins(addon: Addon) -> None:
@@ -196,6 +242,13 @@ def test_saved_file_has_its_lights(addon: Addon, tmp_path: Path) -> None:
     assert slots(addon) == ["Sun"]
 
 
+def test_saved_file_knows_where_its_lights_stand(addon: Addon, tmp_path: Path) -> None:
+    lamps = [add("POINT", f"Lamp {i}", 3 + i) for i in range(9)]
+    lamps[8].location.x = 1.5  # and no update
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert "Lamp 8" in slots(addon)
+
+
 def test_opened_file_is_fitted_if_it_was_changed_elsewhere(addon: Addon, tmp_path: Path) -> None:
     addon_utils.disable(NAME)
     lamp = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
@@ -232,7 +285,7 @@ def test_nothing_happens_while_rendering(
     def watch(*_: object) -> None:
         before = len(fits)
         scene.world = bpy.data.worlds.new("World")
-        addon("follow").follow()
+        assert addon("follow").follow() == addon("follow").REST_SECONDS  # the timer tries again
         during.append(len(fits) - before)
 
     bpy.app.handlers.render_pre.append(watch)

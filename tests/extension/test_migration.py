@@ -16,6 +16,9 @@ def old_group(version: int = 1) -> bpy.types.ShaderNodeTree:
     group["metallic_paint"], group["metallic_paint_source"] = version, "older"
     script = group.nodes.new("ShaderNodeScript")
     script.script = bpy.data.texts.new("metallic_paint.osl")
+    slots = bpy.data.node_groups.new("Metallic Paint Lights", "ShaderNodeTree")
+    slots["metallic_paint_lights"] = 1
+    group.nodes.new("ShaderNodeGroup").node_tree = slots
     for name, kind in (
         ("Glitter", "Float"), ("Seed", "Int"), ("Flake Color", "Color"), ("Tilt", "Float"),
         ("IOR", "Color"), ("Normal", "Vector"),
@@ -92,9 +95,9 @@ def test_keys_and_drivers_are_kept(
         assert inputs["Flakes per mm²"].default_value == 3000
 
 
-def test_old_group_and_text_are_gone(old: bpy.types.Material) -> None:
+def test_old_groups_and_text_are_gone(old: bpy.types.Material) -> None:
     update()
-    assert not [group for group in bpy.data.node_groups if group.get("metallic_paint") == 1]
+    assert sorted(bpy.data.node_groups.keys()) == ["Metallic Paint", "Metallic Paint Lights"]
     assert len(bpy.data.texts) == 1
 
 

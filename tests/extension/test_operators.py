@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import bpy
@@ -102,6 +102,41 @@ def test_new_paint_refuses_without_an_object() -> None:
 def test_new_paint_refuses_linked_objects(linked_paint: bpy.types.Object) -> None:
     with pytest.raises(RuntimeError, match="linked from another file"):
         bpy.ops.material.metallic_paint_new()
+
+
+def test_new_paint_takes_an_objects_own_slot_over_linked_data(
+    addon: Addon, linked_paint: bpy.types.Object
+) -> None:
+    thing = bpy.data.objects.new("Ours", linked_paint.data)
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    with pytest.raises(RuntimeError, match="linked from another file"):
+        bpy.ops.material.metallic_paint_new()
+    thing.material_slots[0].link = "OBJECT"
+    assert bpy.ops.material.metallic_paint_new(preset="lime") == {"FINISHED"}
+    assert addon("material").paint_of(thing.active_material) == addon("presets").load("lime")
+
+
+@pytest.mark.parametrize(
+    "new",
+    [
+        lambda: bpy.data.curves.new("a", "CURVE"),
+        lambda: bpy.data.curves.new("a", "SURFACE"),
+        lambda: bpy.data.curves.new("a", "FONT"),
+        lambda: bpy.data.metaballs.new("a"),
+        lambda: bpy.data.hair_curves.new("a"),
+        lambda: bpy.data.pointclouds.new("a"),
+    ],
+    ids=["curve", "surface", "text", "metaball", "hair", "points"],
+)
+def test_new_paint_takes_every_kind_of_surface(
+    addon: Addon, new: Callable[[], bpy.types.ID]
+) -> None:
+    thing = bpy.data.objects.new("a", new())
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    assert bpy.ops.material.metallic_paint_new() == {"FINISHED"}
+    assert addon("material").paint_node(thing.active_material)
 
 
 def test_new_paint_of_a_bad_preset_changes_nothing(cube: bpy.types.Object) -> None:
