@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """Denoising, quality, report and check, from the zip: each with its button."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """A render machine: Blender alone, without the add-on, scripts switched off.
 
 Usage: python open_and_render.py FILE.blend OUT FRAME... writes OUT-FRAME.exr.

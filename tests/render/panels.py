@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """Sub-panels need a parent: a module of the add-on registered alone, beneath an empty one."""
 
 from __future__ import annotations

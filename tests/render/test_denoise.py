@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """Denoising keeps the sparkles, at the noise of a denoised picture, and takes nothing from artists.
 
 A sparkle's energy is what it adds to its pixel, known from a picture of the sparkles alone. The

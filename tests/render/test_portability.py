@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """A saved file renders on a machine without the add-on, in a new process, in another Blender."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """Draft, Final and Reference: each nearer to the truth, each says what it changes."""
 
 from __future__ import annotations

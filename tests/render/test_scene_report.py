@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """The scene report foretells what the shader finds, and warns of what spoils sparkles."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: Apache-2.0
 """The check of an artist's own scene: what it finds, what it leaves alone, and how it ends."""
 
 from __future__ import annotations
