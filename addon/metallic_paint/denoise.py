@@ -21,6 +21,7 @@ from __future__ import annotations
 import bpy
 
 from . import lights, needs
+from .panel import draw_lines
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
@@ -365,7 +366,7 @@ class MATERIAL_PT_metallic_paint_denoise(bpy.types.Panel):
         if is_set_up(context.scene):
             column.operator(SCENE_OT_metallic_paint_denoise_remove.bl_idname)
         elif reason := why_not(context.scene):
-            column.label(text=reason, icon="INFO")
+            draw_lines(column, f"{reason}.", "INFO")
 
 
 register, unregister = bpy.utils.register_classes_factory(
