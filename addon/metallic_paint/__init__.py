@@ -14,6 +14,10 @@ preset_operators.py  presets: their menu, apply, load, save
 panel.py             the panel in material properties and shader editor, and the Add menu
 follow.py            lights that follow by themselves
 library.py           the asset library, in the add-on's preferences
+denoise.py           compositing that denoises all but the sparkles
+quality.py           draft, final, reference: the render settings for sparkles
+scene_report.py      what a scene needs, what the camera sees of the flakes, what spoils them
+verify_operator.py   the artist's own scene against the core, in another process
 """
 
 from __future__ import annotations
@@ -22,7 +26,8 @@ import importlib
 from types import ModuleType
 
 # Each has register() and unregister().
-_MODULES = ("operators", "preset_operators", "panel", "follow", "library")
+_MODULES = ("operators", "preset_operators", "panel", "follow", "library",
+            "denoise", "quality", "scene_report", "verify_operator")  # fmt: skip
 
 
 def register() -> None:

@@ -34,6 +34,17 @@ LEAST_WEIGHT = 1.1e-5
 MEAN_ROUNDING = 1e-5
 UNIFORM_ROUNDING = 1e-6
 
+MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
+
+
+def core_missing() -> str:
+    """Why the native module cannot be used, in a sentence; empty where it can."""
+    try:
+        import metallic_paint_core  # noqa: F401
+    except ImportError as error:
+        return f"The native module metallic_paint_core cannot be loaded: {error}."
+    return ""
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -46,11 +57,13 @@ class Geometry:
     footprint: np.ndarray  # (h, w) m²
     pixel: np.ndarray  # (h, w, 2) int, as the shader found it
     raster: np.ndarray  # (h, w, 2)
+    origin: tuple[int, int] = (0, 0)  # x and y of the picture's first pixel in the whole frame
 
     def own_pixel(self) -> np.ndarray:
-        """(h, w, 2): the coordinates of each pixel in the picture itself."""
+        """(h, w, 2): the coordinates of each pixel in the frame."""
         h, w = self.hit.shape
-        return np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1)
+        x, y = self.origin
+        return np.stack(np.meshgrid(np.arange(x, x + w), np.arange(y, y + h)), axis=-1)
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,12 @@ class Layout:
         self.menus.append(name)
 
     def operator(
-        self, name: str, text: str = "", icon: str = "NONE", icon_value: int = 0
+        self,
+        name: str,
+        text: str = "",
+        icon: str = "NONE",
+        icon_value: int = 0,
+        depress: bool = False,
     ) -> SimpleNamespace:
         assert icon in ICONS, icon
         space, _, function = name.partition(".")
@@ -53,6 +58,10 @@ class Layout:
                 values[key] = value
 
         return Properties()
+
+    def progress(self, factor: float = 0.0, text: str = "") -> None:
+        assert 0 <= factor <= 1
+        self.texts.append(text)
 
     @property
     def names(self) -> list[str]:

@@ -1,0 +1,378 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Denoising that keeps the sparkles: their light passes by the denoiser, the rest goes through it.
+
+A denoiser takes sparkles for noise. Cycles has no pass of the sparkles alone, but they are in two:
+in Glossy Direct, G, beside the noisy mirrored world, and in the light group of the lamps with a
+slot, L, beside what these lamps light otherwise. All light of other origin is the picture less L,
+and from the same samples; so
+
+    S = max(0, G − (picture − L))
+
+takes the noisy mirrored world away again, exactly. It also takes from each sparkle what the pixel
+shows of the world by diffuse and repeated reflection. This little stays in the rest. Other things
+than paint do not sparkle: a matte of the painted materials (Cryptomatte), m, leaves them to the
+denoiser. The sum of both is the picture as it was:
+
+    shown = denoised(picture − m S) + m S
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from . import lights, needs
+from .panel import draw_lines
+
+NAME = "Metallic Paint Denoise"
+LIGHT_GROUP = "Sparkles"
+
+_MARK = "metallic_paint_denoise"  # of our node trees; of the scene: what was before
+_PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
+_BLENDER_5 = bpy.app.version >= (5, 0)
+_GLOSSY = ("Glossy Direct", "Glossy Color") if _BLENDER_5 else ("GlossDir", "GlossCol")
+_GUIDES = ("Denoising Albedo", "Denoising Normal")
+# What only hands a picture on.
+_PLAIN_NODES = {"R_LAYERS", "REROUTE", "VIEWER", "COMPOSITE", "GROUP_OUTPUT", "FRAME"}
+
+
+class DenoiseError(RuntimeError):
+    """Why compositing cannot be set up, in a sentence; nothing was changed."""
+
+
+def why_not(scene: bpy.types.Scene) -> str:
+    """What keeps set_up from it, in a sentence; empty where nothing does."""
+    if not scene.is_editable:
+        return "The scene is linked from another file and cannot be changed"
+    if names := _foreign_nodes(_tree(scene)):
+        return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
+    if sum(layer.use for layer in scene.view_layers) != 1:
+        return "One view layer must render: compositing several is the artist's choice"
+    return ""
+
+
+def _why_not_remove(scene: bpy.types.Scene) -> str:
+    if not scene.is_editable:
+        return "The scene is linked from another file and cannot be changed"
+    if not is_set_up(scene):
+        return "Denoising that keeps the sparkles is not set up in this scene"
+    if names := _foreign_nodes(_tree(scene)):
+        return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
+    return ""
+
+
+def is_set_up(scene: bpy.types.Scene) -> bool:
+    tree = _tree(scene)
+    return tree is not None and _MARK in tree and _MARK in scene
+
+
+def set_up(scene: bpy.types.Scene) -> list[str]:
+    """Sets up passes, light groups and compositing; returns what it changed, in sentences.
+
+    Call it again when lights or painted materials came: it renews what it made. remove() is its
+    inverse. Lamps keep their light groups; those without one come into the group "Sparkles". Raises
+    DenoiseError, with nothing changed, where the scene has compositing of its own.
+    """
+    if reason := why_not(scene):
+        raise DenoiseError(f"{reason}.")
+    slots = needs.fit(scene).lights.slots
+    if is_set_up(scene):
+        remove(scene)
+    layer = next(layer for layer in scene.view_layers if layer.use)
+    was = {
+        "layer": layer.name,
+        "use_denoising": scene.cycles.use_denoising,
+        "use_compositing": scene.render.use_compositing,
+        "denoising_store_passes": layer.cycles.denoising_store_passes,
+        **{name: getattr(layer, name) for name in _PASSES},
+    }
+    changed = [*_set_light_groups(scene, layer, slots, was)]
+    for name in _PASSES:
+        setattr(layer, name, True)
+    layer.cycles.denoising_store_passes = True
+    changed.append(f"The view layer “{layer.name}” renders the passes that denoising needs.")
+    if scene.cycles.use_denoising:
+        scene.cycles.use_denoising = False
+        changed.append("Cycles' own denoising is off: compositing denoises instead.")
+    scene.render.use_compositing = True
+    groups = sorted({scene.objects[name].lightgroup for name in slots} - {""})
+    _compose(scene, layer, groups, was)
+    scene[_MARK] = was
+    changed.append("Compositing denoises all but the sparkles.")
+    return changed
+
+
+def remove(scene: bpy.types.Scene) -> list[str]:
+    """Takes back what set_up did and still stands; returns what it changed, in sentences.
+
+    Raises DenoiseError where there is nothing to take back, or other nodes would go with it.
+    """
+    if reason := _why_not_remove(scene):
+        raise DenoiseError(f"{reason}.")
+    was = dict(scene[_MARK])
+    _take_down(scene, was)
+    layer = scene.view_layers.get(was["layer"])
+    if layer is not None:
+        for name in _PASSES:
+            setattr(layer, name, bool(was[name]))
+        layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
+        for name in was["lamps"]:
+            lamp = scene.objects.get(name)
+            if lamp is not None and lamp.lightgroup == LIGHT_GROUP:
+                lamp.lightgroup = ""
+        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
+            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+    scene.cycles.use_denoising = bool(was["use_denoising"])
+    scene.render.use_compositing = bool(was["use_compositing"])
+    del scene[_MARK]
+    state = "on" if scene.cycles.use_denoising else "off"
+    return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
+
+
+def node_group() -> bpy.types.NodeTree:
+    """The file's group that denoises all but the sparkles, made when there is none.
+
+    Inputs: the picture, its passes Glossy Direct and Glossy Color, the sum of the light groups that
+    hold the lamps with a slot, the denoiser's guides, and the matte of the paint.
+    """
+    for group in bpy.data.node_groups:
+        if group.get(_MARK) == "group" and group.library is None:
+            return group
+    group = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
+    group[_MARK] = "group"
+    for label in ("Image", "Light Groups", "Glossy Direct", "Glossy Color", "Albedo"):
+        group.interface.new_socket(label, in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Normal", in_out="INPUT", socket_type="NodeSocketVector")
+    matte = group.interface.new_socket("Paint", in_out="INPUT", socket_type="NodeSocketFloat")
+    matte.default_value = 1
+    group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    inside = group.nodes.new("NodeGroupInput")
+    out = group.nodes.new("NodeGroupOutput")
+    image, lamps, direct, color, albedo, normal, paint = inside.outputs[:7]
+    other = _mix(group, "SUBTRACT", image, lamps)
+    glossy = _mix(group, "MULTIPLY", direct, color)
+    sparkles = _mix(group, "LIGHTEN", _mix(group, "SUBTRACT", glossy, other), None)
+    sparkles = _mix(group, "MULTIPLY", sparkles, paint)
+    denoise = group.nodes.new("CompositorNodeDenoise")
+    links = group.links
+    links.new(_mix(group, "SUBTRACT", image, sparkles), denoise.inputs["Image"])
+    links.new(albedo, denoise.inputs["Albedo"])
+    links.new(normal, denoise.inputs["Normal"])
+    links.new(_mix(group, "ADD", denoise.outputs["Image"], sparkles), out.inputs["Image"])
+    _lay_out(group)
+    return group
+
+
+# --- passes and light groups -------------------------------------------------------------------
+
+
+def _set_light_groups(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
+) -> list[str]:
+    """Every lamp with a slot comes into a light group of the layer."""
+    was["made_light_group"] = False
+    named = [scene.objects[name] for name in slots]
+    lamps = [lamp for lamp in named if lamp.is_editable]
+    was["lamps"] = [lamp.name for lamp in lamps if not lamp.lightgroup]
+    changed = []
+    for lamp in lamps:
+        if not lamp.lightgroup:
+            lamp.lightgroup = LIGHT_GROUP
+        if lamp.lightgroup not in layer.lightgroups:
+            layer.lightgroups.add(name=lamp.lightgroup)
+            was["made_light_group"] |= lamp.lightgroup == LIGHT_GROUP
+    if was["lamps"]:
+        changed.append(f"In the light group “{LIGHT_GROUP}”: {', '.join(was['lamps'])}.")
+    if len(lamps) < len(named):
+        linked = ", ".join(lamp.name for lamp in named if lamp not in lamps)
+        changed.append(f"Sparkles of {linked} are denoised: linked from another file.")
+    groups = {lamp.lightgroup for lamp in lamps}
+    others = [thing.name for thing in scene.objects
+              if thing.lightgroup in groups and thing not in lamps]  # fmt: skip
+    if scene.world is not None and scene.world.lightgroup in groups:
+        others.append(f"the world {scene.world.name}")
+    if others:
+        changed.append(f"Reflections of {', '.join(others)} stay noisy: the light group is shared.")
+    return changed
+
+
+# --- compositing -------------------------------------------------------------------------------
+
+
+def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
+    return scene.compositing_node_group if _BLENDER_5 else scene.node_tree
+
+
+def _foreign_nodes(tree: bpy.types.NodeTree | None) -> list[str]:
+    """Nodes that do something and are not ours, even if the tree is switched off."""
+    nodes = tree.nodes if tree is not None else ()
+    return [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
+
+
+def _compose(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, groups: list[str], was: dict
+) -> None:
+    """The scene's tree: the layer's passes through our group to the output."""
+    if _BLENDER_5:
+        if scene.compositing_node_group is not None:
+            was["tree"] = scene.compositing_node_group
+        tree = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        scene.compositing_node_group = tree
+    else:
+        was["use_nodes"] = scene.use_nodes
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+    tree[_MARK] = "scene"
+    passes = tree.nodes.new("CompositorNodeRLayers")
+    passes.scene, passes.layer = scene, layer.name
+    node = tree.nodes.new("CompositorNodeGroup")
+    node.node_tree = node_group()
+    node.width = 200
+    out = tree.nodes.new("NodeGroupOutput" if _BLENDER_5 else "CompositorNodeComposite")
+    links = tree.links
+    lamps = None
+    for name in groups:
+        light = passes.outputs[f"Combined_{name}"]
+        lamps = light if lamps is None else _mix(tree, "ADD", lamps, light)
+    names = ("Image", *_GLOSSY, *_GUIDES)
+    labels = ("Image", "Glossy Direct", "Glossy Color", "Albedo", "Normal")
+    for name, label in zip(names, labels, strict=True):
+        links.new(passes.outputs[name], node.inputs[label])
+    matte = tree.nodes.new("CompositorNodeCryptomatteV2")
+    matte.scene, matte.layer_name = scene, f"{layer.name}.CryptoMaterial"
+    matte.matte_id = ",".join(_painted(layer))
+    links.new(matte.outputs["Matte"], node.inputs["Paint"])
+    if lamps is None:
+        node.inputs["Light Groups"].default_value = (0, 0, 0, 0)
+    else:
+        links.new(lamps, node.inputs["Light Groups"])
+    links.new(node.outputs["Image"], out.inputs["Image"])
+    _lay_out(tree)
+
+
+def _painted(layer: bpy.types.ViewLayer) -> list[str]:
+    """Names of the materials that hold a paint, of objects that render."""
+    slots = [slot for thing in lights.rendered(layer, ever=True) for slot in thing.material_slots]
+    painted = {
+        s.material.name for s in slots if s.material and lights.holds_slots(s.material.node_tree)
+    }
+    return sorted(painted)
+
+
+def _take_down(scene: bpy.types.Scene, was: dict) -> None:
+    tree = _tree(scene)
+    if _BLENDER_5:
+        scene.compositing_node_group = was.get("tree")
+        bpy.data.node_groups.remove(tree)
+    else:
+        del tree[_MARK]
+        tree.nodes.clear()
+        passes = tree.nodes.new("CompositorNodeRLayers")
+        out = tree.nodes.new("CompositorNodeComposite")
+        out.location.x = 300
+        tree.links.new(passes.outputs["Image"], out.inputs["Image"])
+        scene.use_nodes = bool(was["use_nodes"])
+    for group in [g for g in bpy.data.node_groups if g.get(_MARK) == "group" and not g.users]:
+        bpy.data.node_groups.remove(group)
+
+
+def _mix(
+    tree: bpy.types.NodeTree,
+    blend: str,
+    a: bpy.types.NodeSocket,
+    b: bpy.types.NodeSocket | None,
+) -> bpy.types.NodeSocket:
+    """Both colours blended in full, b black if None. The alpha is that of a."""
+    node = tree.nodes.new("ShaderNodeMix")
+    node.data_type, node.blend_type = "RGBA", blend
+    node.clamp_factor = node.clamp_result = False
+    inputs = {socket.identifier: socket for socket in node.inputs}
+    inputs["Factor_Float"].default_value = 1
+    tree.links.new(a, inputs["A_Color"])
+    if b is None:
+        inputs["B_Color"].default_value = (0, 0, 0, 1)
+    else:
+        tree.links.new(b, inputs["B_Color"])
+    return next(socket for socket in node.outputs if socket.identifier == "Result_Color")
+
+
+def _lay_out(tree: bpy.types.NodeTree) -> None:
+    """Nodes in columns, from left to right as the picture goes, and marked as ours."""
+    column = dict.fromkeys(tree.nodes, 0)
+    for _ in tree.nodes:
+        for link in tree.links:
+            column[link.to_node] = max(column[link.to_node], column[link.from_node] + 1)
+    rows: dict[int, int] = {}
+    for node, x in column.items():
+        node[_MARK] = True
+        node.location = 250 * x, -200 * rows.get(x, 0)
+        rows[x] = rows.get(x, 0) + 1
+
+
+# --- interface ---------------------------------------------------------------------------------
+
+
+class SCENE_OT_metallic_paint_denoise(bpy.types.Operator):
+    """Set up compositing so that the sparkles' light passes by the denoiser and everything else \
+goes through it"""
+
+    bl_idname = "scene.metallic_paint_denoise"
+    bl_label = "Denoise, Keep Sparkles"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if reason := why_not(context.scene):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        for sentence in set_up(context.scene):
+            self.report({"INFO"}, sentence)
+        return {"FINISHED"}
+
+
+class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
+    """Take compositing, passes and light groups back to what they were before"""
+
+    bl_idname = "scene.metallic_paint_denoise_remove"
+    bl_label = "Remove Sparkle Denoising"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if reason := _why_not_remove(context.scene):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        for sentence in remove(context.scene):
+            self.report({"INFO"}, sentence)
+        return {"FINISHED"}
+
+
+class MATERIAL_PT_metallic_paint_denoise(bpy.types.Panel):
+    bl_label = "Denoising"
+    bl_parent_id = "MATERIAL_PT_metallic_paint"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.operator(SCENE_OT_metallic_paint_denoise.bl_idname)
+        if is_set_up(context.scene):
+            column.operator(SCENE_OT_metallic_paint_denoise_remove.bl_idname)
+        elif reason := why_not(context.scene):
+            draw_lines(column, f"{reason}.", "INFO")
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        SCENE_OT_metallic_paint_denoise,
+        SCENE_OT_metallic_paint_denoise_remove,
+        MATERIAL_PT_metallic_paint_denoise,
+    )
+)

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Denoising keeps the sparkles, at the noise of a denoised picture, and takes nothing from artists.
+
+A sparkle's energy is what it adds to its pixel, known from a picture of the sparkles alone. The
+noise is the standard deviation of a pixel between renders of different seeds, over its mean, in the
+pixels without sparkles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+import panels
+import pytest
+from lamps import add_lamp
+from metallic_paint import denoise, material, presets, verify
+from recording import drawn
+
+SIZE = 80
+SAMPLES, REFERENCE_SAMPLES = 32, 512
+
+
+@pytest.fixture
+def registered() -> Iterator[None]:
+    with panels.registered(denoise):
+        yield
+
+
+def build(preset: str = "silver-coarse") -> bpy.types.Scene:
+    """A ball of 4.5 cm on a steel floor under a sun, an area light and an uneven world."""
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.unit_settings.scale_length = 0.15
+    bpy.ops.mesh.primitive_plane_add(size=4, location=(0, 0, -0.15))
+    steel = bpy.data.materials.new("Steel")
+    if steel.node_tree is None:
+        steel.use_nodes = True  # Blender 4.5
+    shader = steel.node_tree.nodes["Principled BSDF"].inputs
+    shader["Metallic"].default_value, shader["Roughness"].default_value = 1, 0.4
+    bpy.context.object.data.materials.append(steel)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.15)
+    bpy.ops.object.shade_smooth()
+    material.assign(bpy.context.object, material.create(presets.load(preset)))
+    add_lamp("SUN", "Sun", energy=3, angle=math.radians(0.53), rotation_euler=(0.7, 0.3, 0))
+    add_lamp("AREA", "Area", energy=2, location=(-0.5, -0.5, 0.6), rotation_euler=(0.8, -0.6, 0))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -1, 0.5), (math.radians(63.5), 0, 0)
+    camera.data.lens = 95
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    world = bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True
+    tree = world.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.inputs["Scale"].default_value = 3
+    power = tree.nodes.new("ShaderNodeMath")
+    power.operation, power.inputs[1].default_value = "POWER", 6
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(place.outputs["Generated"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], power.inputs[0])
+    tree.links.new(power.outputs[0], tree.nodes["Background"].inputs["Color"])
+    tree.nodes["Background"].inputs["Strength"].default_value = 30
+    scene.world = world
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    return scene
+
+
+def picture(scene: bpy.types.Scene, samples: int, seed: int) -> np.ndarray:
+    scene.cycles.samples, scene.cycles.seed = samples, seed
+    return verify.render(scene).mean(axis=-1)
+
+
+def plain(scene: bpy.types.Scene, samples: int, seed: int) -> np.ndarray:
+    scene.cycles.use_denoising = True
+    try:
+        return picture(scene, samples, seed)
+    finally:
+        scene.cycles.use_denoising = False
+
+
+def sparkles_alone(scene: bpy.types.Scene) -> np.ndarray:
+    node = material.paint_node(scene.objects["Sphere"].active_material)
+    bounces, scene.cycles.max_bounces = scene.cycles.max_bounces, 0
+    scene.objects["Area"].hide_render = True
+    world, scene.world = scene.world, None
+    scene.objects["Plane"].visible_camera = False
+    node.inputs["Diagnostic"].default_value = 11
+    try:
+        return picture(scene, REFERENCE_SAMPLES, 99)
+    finally:
+        node.inputs["Diagnostic"].default_value = 0
+        scene.objects["Plane"].visible_camera = True
+        scene.world, scene.cycles.max_bounces = world, bounces
+        scene.objects["Area"].hide_render = False
+
+
+def noise(first: np.ndarray, second: np.ndarray) -> float:
+    return float(np.sqrt(((first - second) ** 2).mean() / 2) / first.mean())
+
+
+def test_sparkles_pass_by_the_denoiser_and_noise_does_not() -> None:
+    scene = build()
+    denoise.needs.fit(scene)
+    verify._write_floats(scene, "OPEN_EXR")
+    reference = picture(scene, REFERENCE_SAMPLES, 99)
+    sparkles = sparkles_alone(scene)
+    simply = [plain(scene, SAMPLES, seed) for seed in (1, 2)]
+    denoise.set_up(scene)
+    kept = [picture(scene, SAMPLES, seed) for seed in (1, 2)]
+
+    around = reference - sparkles
+    y, x = np.mgrid[:SIZE, :SIZE] - SIZE / 2
+    ball = (x**2 + y**2 < (SIZE / 3) ** 2) & (around < 10 * np.median(around))  # no lamp mirrored
+    bright, none = ball & (sparkles > around), ball & (sparkles < 0.02 * around)
+    assert bright.sum() > 50
+    assert none.sum() > 500
+
+    def survives(shown: np.ndarray) -> float:
+        return float((shown - around)[bright].sum() / sparkles[bright].sum())
+
+    share = [np.mean([survives(each) for each in pair]) for pair in (simply, kept)]
+    noises = [noise(*(each[none] for each in pair)) for pair in (simply, kept)]
+    print(f"sparkles survive {share}, noise {noises}")
+    assert share[1] >= 0.95
+    assert share[1] > share[0]
+    assert noises[1] <= 1.1 * noises[0]
+    floor = x**2 + y**2 > (SIZE / 2.2) ** 2
+    noises = [noise(*(each[floor] for each in pair)) for pair in (simply, kept)]
+    print(f"noise of the floor {noises}")
+    assert noises[1] <= 1.1 * noises[0]
+    # Nothing is made or lost.
+    assert kept[0][ball].mean() == pytest.approx(reference[ball].mean(), rel=0.02)
+
+
+def test_the_alpha_of_a_transparent_film_stays() -> None:
+    scene = build()
+    scene.render.film_transparent = True
+    scene.objects["Plane"].hide_render = True
+    scene.cycles.samples = 4
+    denoise.set_up(scene)
+    verify._write_floats(scene, "OPEN_EXR")
+    scene.render.image_settings.color_mode = "RGBA"
+    alpha = verify.render_channels(scene)["A"]
+    assert alpha[0, 0] == 0
+    assert alpha[SIZE // 2, SIZE // 2] == 1
+
+
+def state(scene: bpy.types.Scene) -> dict:
+    layer = scene.view_layers[0]
+    tree = denoise._tree(scene)
+    return {
+        "denoising": scene.cycles.use_denoising,
+        "compositing": scene.render.use_compositing,
+        "nodes": scene.use_nodes if bpy.app.version < (5, 0) else None,
+        "passes": [getattr(layer, name) for name in denoise._PASSES],
+        "store": layer.cycles.denoising_store_passes,
+        "groups": [group.name for group in layer.lightgroups],
+        "lamps": {thing.name: thing.lightgroup for thing in scene.objects},
+        "tree": tree and sorted(node.type for node in tree.nodes),
+        "trees": sorted(group.name for group in bpy.data.node_groups),
+        "marks": [key for key in scene.keys() if "metallic" in key],  # noqa: SIM118
+    }
+
+
+def test_the_inverse_takes_everything_back(registered: None) -> None:
+    scene = build()
+    denoise.needs.fit(scene)
+    layer = scene.view_layers[0]
+    scene.cycles.use_denoising = layer.use_pass_glossy_color = True
+    scene.objects["Sun"].lightgroup = "Key"
+    add_lamp("POINT", "Point")
+    if bpy.app.version < (5, 0):
+        scene.use_nodes = True  # the default nodes, which only hand the picture on
+        scene.node_tree.nodes.clear()
+        passes = scene.node_tree.nodes.new("CompositorNodeRLayers")
+        out = scene.node_tree.nodes.new("CompositorNodeComposite")
+        scene.node_tree.links.new(passes.outputs[0], out.inputs[0])
+        scene.use_nodes = False
+    before = state(scene)
+    for _ in range(2):  # once more renews
+        assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
+    remover = "scene.metallic_paint_denoise_remove"
+    assert remover in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).names
+    assert not scene.cycles.use_denoising
+    assert scene.objects["Sun"].lightgroup == "Key"
+    assert scene.objects["Point"].lightgroup == denoise.LIGHT_GROUP
+    assert scene.objects["Area"].lightgroup == ""
+    assert bpy.ops.scene.metallic_paint_denoise_remove() == {"FINISHED"}
+    after = state(scene)
+    after["groups"] = [name for name in after["groups"] if name != "Key"]
+    assert after == before
+    with pytest.raises(RuntimeError, match="is not set up in this scene"):
+        bpy.ops.scene.metallic_paint_denoise_remove()
+    with pytest.raises(denoise.DenoiseError, match="is not set up"):
+        denoise.remove(scene)
+
+
+def add_glare(scene: bpy.types.Scene) -> None:
+    if bpy.app.version < (5, 0):
+        scene.use_nodes = True
+    elif scene.compositing_node_group is None:
+        scene.compositing_node_group = bpy.data.node_groups.new("Mine", "CompositorNodeTree")
+    denoise._tree(scene).nodes.new("CompositorNodeGlare")
+
+
+def test_an_artists_compositing_stays(registered: None) -> None:
+    scene = build()
+    add_glare(scene)
+    before = state(scene)
+    with pytest.raises(RuntimeError, match="artist's own nodes, which stay: Glare"):
+        bpy.ops.scene.metallic_paint_denoise()
+    with pytest.raises(denoise.DenoiseError, match="Glare"):
+        denoise.set_up(scene)
+    assert state(scene) == before
+    assert "Glare" in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
+
+
+def test_nodes_that_an_artist_adds_to_ours_stay() -> None:
+    scene = build()
+    denoise.set_up(scene)
+    add_glare(scene)
+    for change in (denoise.set_up, denoise.remove):
+        with pytest.raises(denoise.DenoiseError, match="Glare"):
+            change(scene)
+    assert denoise.is_set_up(scene)
+
+
+def test_what_changes_is_said() -> None:
+    scene = build()
+    scene.cycles.use_denoising = True
+    scene.objects["Area"].lightgroup = scene.objects["Sun"].lightgroup = "All"
+    add_lamp("POINT", "Point")
+    said = "\n".join(denoise.set_up(scene))
+    assert "Cycles' own denoising is off" in said
+    assert "In the light group “Sparkles”: Point." in said
+    assert "Reflections of Area stay noisy" in said
+    assert "denoising is on" in "\n".join(denoise.remove(scene))
+
+
+def test_several_view_layers_are_the_artists() -> None:
+    scene = build()
+    scene.view_layers.new("Second")
+    with pytest.raises(denoise.DenoiseError, match="One view layer must render"):
+        denoise.set_up(scene)
+
+
+def test_a_scene_without_lamps_is_denoised_too() -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    denoise.set_up(scene)
+    verify._write_floats(scene, "OPEN_EXR")
+    assert picture(scene, 2, 1).mean() > 0
+
+
+def test_registering_twice_is_possible(registered: None) -> None:
+    denoise.unregister()
+    denoise.register()
+    assert hasattr(bpy.types, "MATERIAL_PT_metallic_paint_denoise")

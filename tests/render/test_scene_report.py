@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene report foretells what the shader finds, and warns of what spoils sparkles."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+import panels
+import pytest
+from lamps import add_lamp
+from metallic_paint import denoise, lights, material, presets, scene_report, verify
+from recording import drawn
+
+SIZE = 64
+
+
+@pytest.fixture
+def registered() -> Iterator[None]:
+    with panels.registered(scene_report):
+        yield
+
+
+def build(preset: str = "silver-coarse", radius: float = 0.02) -> bpy.types.Scene:
+    """A painted ball that fills half the picture's width, under a sun; nothing spoils it."""
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    scene.cycles.use_denoising = False
+    scene.render.resolution_x = scene.render.resolution_y = 2 * SIZE
+    scene.render.resolution_percentage = 50
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=radius)
+    bpy.context.object.name = "Ball"
+    bpy.ops.object.shade_smooth()
+    material.assign(bpy.context.object, material.create(presets.load(preset)))
+    add_lamp("SUN", "Sun", energy=3, angle=math.radians(0.53), rotation_euler=(0.7, 0.3, 0))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -20 * radius, 0), (math.radians(90), 0, 0)
+    camera.data.angle = 2 * math.atan(0.1)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    return scene
+
+
+def said(scene: bpy.types.Scene, *levels: str) -> str:
+    found = scene_report.report(scene)
+    return "\n".join(text for level, text in found if not levels or level in levels)
+
+
+def bad(scene: bpy.types.Scene) -> str:
+    return said(scene, "WARNING", "ERROR")
+
+
+def number(pattern: str, text: str) -> float:
+    return float(re.search(pattern, text)[1].replace(",", ""))
+
+
+@pytest.mark.parametrize("camera", ["PERSP", "ORTHO"])
+@pytest.mark.parametrize("radius", [0.02, 0.5])
+def test_flakes_and_sparkles_are_those_that_the_shader_finds(camera: str, radius: float) -> None:
+    scene = build(radius=radius)
+    scene.camera.data.type, scene.camera.data.ortho_scale = camera, 4 * radius
+    node = material.paint_node(scene.objects["Ball"].active_material)
+    node.inputs[material.MODEL_SCALE].default_value = 1.5
+    text = said(scene)
+    probe = verify.Probe(scene, [scene.objects["Ball"].active_material])
+    geometry = probe.geometry()
+    paint = material.paint_of(node)
+    in_use = [i for i, each in enumerate(paint.species) if each.flakes_per_mm2 > 0]
+    images = [probe.image(verify.MEAN_COUNT, species=i)[..., 0] for i in in_use]
+    counts = sum(images)[geometry.hit]
+    per_m2 = 1e6 * sum(each.flakes_per_mm2 for each in paint.species)
+    flakes = np.median(geometry.footprint[geometry.hit]) * per_m2
+    assert number(r"Ball: ([\d.,e+]+) flakes a pixel", text) == pytest.approx(flakes, rel=0.1)
+    middle = number(r"([\d.,e+-]+) sparkles in the middle", text)
+    most = number(r"and ([\d.,e+-]+) where there are most", text)
+    # Counts run from 0 to hundreds over the ball: the middle is where they rise steeply.
+    assert middle == pytest.approx(np.median(counts), rel=0.3)
+    assert most == pytest.approx(np.quantile(counts, 0.9), rel=0.2)
+
+
+def test_a_sound_scene_has_no_warning() -> None:
+    scene = build()
+    assert bad(scene) == ""
+    assert "Light 1: Sun." in said(scene)
+
+
+def test_what_a_scene_needs_is_still_fitted_after_the_report() -> None:
+    scene = build()
+    assert "show no world" in said(scene)
+    assert lights.node_group().nodes[lights.OTHER_LIGHT].outputs[0].default_value == 0
+
+
+def test_sparkles_that_merge_are_foretold() -> None:
+    assert "too many and too small" in bad(build(radius=50))
+
+
+def test_a_paint_without_sparkles_is_foretold() -> None:
+    scene = build()
+    node = material.paint_node(scene.objects["Ball"].active_material)
+    node.inputs["Flakes per mm²"].default_value = 1e-3
+    assert "no sparkle is to be expected" in bad(scene)
+
+
+def test_clamping_that_cuts_is_named_with_its_value() -> None:
+    scene = build()
+    scene.cycles.sample_clamp_direct = 0.25
+    assert "Clamp Direct 0.25 cuts sparkles" in bad(scene)
+    scene.cycles.sample_clamp_direct = 1e6
+    assert bad(scene) == ""
+    scene.cycles.sample_clamp_indirect = 0.25
+    assert "Clamp Indirect 0.25 dims" in said(scene, "INFO")
+
+
+def test_clamping_warns_exactly_where_it_cuts() -> None:
+    scene = build()
+    verify.make_noiseless(scene)
+    scene_report.report(scene)  # fits the paint
+    whole = verify.render(scene)
+    warned = {}
+    for clamp in (0.1, 1, 100):
+        scene.cycles.sample_clamp_direct = clamp
+        warned[clamp] = "Clamp Direct" in bad(scene)
+        lost = 1 - verify.render(scene).sum() / whole.sum()
+        assert warned[clamp] == (lost > 0.05), (clamp, lost)
+    assert warned[0.1]
+    assert not warned[100]
+
+
+def test_the_device_and_the_shading_language_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = build()
+    scene.cycles.shading_system = False
+    assert "Open Shading Language is off" in said(scene, "ERROR")
+    scene.cycles.shading_system = True
+    scene.cycles.device = "GPU"
+    monkeypatch.setattr(scene_report, "_gpu", lambda: "HIP")
+    assert "HIP, which has no OSL" in said(scene, "ERROR")
+    scene.render.engine = "BLENDER_WORKBENCH"
+    assert "does not render with Cycles" in said(scene, "ERROR")
+
+
+def test_a_denoiser_is_warned_of_unless_sparkles_pass_it_by() -> None:
+    scene = build()
+    scene.cycles.use_denoising = True
+    assert "Denoising takes sparkles" in bad(scene)
+    denoise.set_up(scene)
+    assert bad(scene) == ""
+
+
+def test_an_unlikely_size_is_named() -> None:
+    scene = build()
+    scene.unit_settings.scale_length = 1e-3
+    assert "Ball is 40 µm large" in bad(scene)
+
+
+def test_what_the_camera_does_not_see_is_said() -> None:
+    scene = build()
+    scene.camera.location.y = 1
+    assert "Ball: the camera does not see it" in said(scene, "INFO")
+    scene.camera.location.y = -0.4
+    bpy.ops.mesh.primitive_plane_add(size=4, location=(0, -0.2, 0), rotation=(math.pi / 2, 0, 0))
+    assert "Ball: the camera does not see it" in said(scene, "INFO")
+    bpy.context.object.hide_render = True
+    assert "flakes a pixel" in said(scene, "INFO")
+    scene.camera.data.type = "PANO"
+    assert "nothing can be said of the pixels of a PANO camera" in said(scene, "INFO")
+    scene.camera = None
+    assert "without a camera" in said(scene, "INFO")
+
+
+def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    assert "Nothing sparkles" in bad(scene)
+    bpy.data.objects.remove(scene.objects["Ball"])
+    assert "No object that renders is painted" in bad(scene)
+
+
+def test_without_the_native_module_flakes_are_counted_and_the_reason_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = build()
+    monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
+    text = said(scene)
+    assert "flakes a pixel." in text
+    assert "metallic_paint_core cannot be loaded" in text
+
+
+def test_values_that_no_paint_can_have_are_named() -> None:
+    scene = build()
+    node = material.paint_node(scene.objects["Ball"].active_material)
+    node.inputs["Coating"].default_value = 0
+    node.inputs["Flake Color"].default_value = (1, 1, 1, 1)
+    node.inputs["Flake Transmission"].default_value = (1, 1, 1, 1)
+    assert "Ball: flake_color[0] + flake_transmission[0]" in said(scene, "ERROR")
+
+
+def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:
+    scene = build()
+    panel = scene_report.MATERIAL_PT_metallic_paint_report
+    assert drawn(panel).names == ["scene.metallic_paint_report"]
+    assert not any(drawn(panel).texts)
+    scene.cycles.sample_clamp_direct = 0.25
+    assert bpy.ops.scene.metallic_paint_report() == {"FINISHED"}
+    assert any("Clamp Direct" in text for text in drawn(panel).texts)

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The check of an artist's own scene: what it finds, what it leaves alone, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import panels
+import pytest
+from lamps import add_lamp
+from metallic_paint import material, presets, verify_operator
+from recording import drawn
+
+SIZE = 40
+
+
+@pytest.fixture
+def registered() -> Iterator[None]:
+    with panels.registered(verify_operator):
+        yield
+
+
+def build() -> bpy.types.Scene:
+    """A scene as artists have them: floor, world, area light, bump, three lamps, denoising."""
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    scene.render.resolution_x, scene.render.resolution_y = 640, 360
+    bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, -0.03))  # without a material
+    bpy.ops.mesh.primitive_cube_add(size=0.01, location=(0.02, -0.02, 0.02))
+    bpy.context.object.data.materials.append(bpy.data.materials.new("Box"))
+    bpy.ops.mesh.primitive_monkey_add(size=0.06)
+    bpy.context.object.name = "Monkey"
+    bpy.ops.object.shade_smooth()
+    paint = material.create(presets.load("silver-coarse"))
+    material.assign(bpy.context.object, paint)
+    node, tree = material.paint_node(paint), paint.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.inputs["Scale"].default_value = 4
+    bump = tree.nodes.new("ShaderNodeBump")
+    bump.inputs["Strength"].default_value = 0.1
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], node.inputs[material.NORMAL])
+    node.inputs["Frame"].default_value = 7
+    add_lamp("SUN", "Sun", energy=3, angle=math.radians(0.53), rotation_euler=(0.9, 0.2, 0))
+    add_lamp("POINT", "Point", energy=1, shadow_soft_size=0.01, location=(-0.2, -0.3, 0.3))
+    spot = {"location": (0.3, -0.4, 0.3), "rotation_euler": (0.9, 0, 0.65)}
+    add_lamp("SPOT", "Spot", energy=2, shadow_soft_size=0.01, spot_size=1, **spot)
+    add_lamp("AREA", "Area", energy=1, location=(0, 0, 1))
+    scene.world = bpy.data.worlds.new("World")
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -0.3, 0.1), (math.radians(72), 0, 0)
+    camera.data.dof.use_dof = True
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.cycles.use_denoising = True
+    scene.cycles.film_exposure = 3
+    return scene
+
+
+def state() -> list:
+    """Of what a check might change in the file."""
+    bpy.context.view_layer.update()
+    seen = []
+    for scene in bpy.data.scenes:
+        for of in (scene.render, scene.cycles, scene.view_layers[0]):
+            for prop in of.bl_rna.properties:
+                if prop.type in ("BOOLEAN", "INT", "FLOAT", "ENUM", "STRING"):
+                    value = getattr(of, prop.identifier)
+                    seen.append(
+                        (prop.identifier, str(value[:] if hasattr(value, "__len__") else value))
+                    )
+        seen += [(thing.name, thing.hide_render, thing.is_holdout, str(thing.matrix_world),
+                  [slot.material and slot.material.name for slot in thing.material_slots])
+                 for thing in scene.objects]  # fmt: skip
+        seen.append((scene.world.name, scene.camera.data.dof.use_dof))
+    for each in bpy.data.materials:
+        tree = each.node_tree
+        seen.append((each.name, [(link.from_node.name, link.to_node.name) for link in tree.links]
+                     if tree else None))  # fmt: skip
+    node = material.paint_node(bpy.data.objects["Monkey"].active_material)
+    seen += [str(getattr(s, "default_value", None)) for s in node.inputs if s.type != "RGBA"]
+    return seen
+
+
+def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
+    scene = build()
+    before = state()
+    assert bpy.ops.scene.metallic_paint_verify(size=SIZE) == {"FINISHED"}
+    assert state() == before
+    text = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    assert "agree with the core" in text
+    assert "DO NOT" not in text
+    shown, wanted, difference = (
+        np.array(bpy.data.images[f"Metallic Paint {name}"].pixels).reshape(SIZE, SIZE, 4)[..., :3]
+        for name in verify_operator.PICTURES
+    )
+    assert (shown.max(axis=-1) > 0).sum() > SIZE * SIZE / 20
+    np.testing.assert_allclose(difference, 100 * np.abs(shown - wanted), atol=1e-4 * shown.max())
+    assert scene.name in bpy.data.scenes
+
+
+def test_the_numbers_are_those_of_every_pixel() -> None:
+    scene = build()
+    found = verify_operator.run(scene, scene.objects["Monkey"], SIZE)
+    assert found.agrees, str(found)
+    left, bottom, right, top = found.region
+    assert (right - left, top - bottom) == (SIZE, SIZE)
+    assert found.same_count / found.pixels > 0.999
+    assert found.pixels > SIZE * SIZE
+    assert found.worst_error < 1e-2
+    assert found.notes[-1].startswith("The core is metallic_paint_core")
+
+
+def test_links_are_told_and_their_sockets_values_are_checked() -> None:
+    scene = build()
+    paint = scene.objects["Monkey"].active_material
+    checker = paint.node_tree.nodes.new("ShaderNodeTexChecker")
+    node = material.paint_node(paint)
+    paint.node_tree.links.new(checker.outputs["Color"], node.inputs["Flake Color"])
+    found = verify_operator.run(scene, scene.objects["Monkey"], SIZE)
+    assert found.agrees, str(found)
+    assert "what is linked to Flake Color" in found.notes[0]
+
+
+def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
+    """The check of one process, where the core takes another paint than the shader."""
+    scene = build()
+    thing = scene.objects["Monkey"]
+    other = verify_operator.core_paint
+    verify_operator.core_paint = lambda paint, frame: other(paint, frame + 1)
+    try:
+        values = verify_operator.check(
+            scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None
+        )
+    finally:
+        verify_operator.core_paint = other
+    found = verify_operator._as_found(json.loads(json.dumps(values)))
+    assert not found.agrees
+    assert found.unexplained > 10
+    assert "DO NOT agree" in str(found)
+
+
+def test_progress_is_told_and_a_stopped_job_leaves_nothing() -> None:
+    scene = build()
+    job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
+    try:
+        end = time.monotonic() + 120
+        while job.progress == 0 and time.monotonic() < end:
+            assert not job.poll()
+            time.sleep(0.05)
+        assert 0 < job.progress < 1
+        assert job.what.startswith("Picture")
+    finally:
+        job.close()
+    assert job._process.returncode != 0
+    assert not job.folder.exists()
+
+
+class Manager(dict):
+    """The window manager of a Blender that has windows: headless, it has none."""
+
+    windows = ()
+
+    def event_timer_remove(self, timer: object) -> None:
+        pass
+
+    def progress_update(self, share: float) -> None:
+        assert 0 <= share <= 1
+
+    def progress_end(self) -> None:
+        self["ended"] = True
+
+
+@pytest.fixture
+def operator() -> Iterator[SimpleNamespace]:
+    """The running operator, with events from the test."""
+    cls = verify_operator.SCENE_OT_metallic_paint_verify
+    context = SimpleNamespace(window_manager=Manager())
+    running = SimpleNamespace(_timer=None, reported=[])
+    running.report = lambda kind, text: running.reported.append(text)
+    running.cancel = lambda of: cls.cancel(running, of)
+    running.send = lambda kind: cls.modal(running, context, SimpleNamespace(type=kind))
+    yield running
+    while verify_operator._running:
+        verify_operator._running.pop().close()
+
+
+def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
+    registered: None, operator: SimpleNamespace
+) -> None:
+    scene = build()
+    verify_operator._running.append(verify_operator.Job(scene, scene.objects["Monkey"], SIZE))
+    assert operator.send("MOUSEMOVE") == {"PASS_THROUGH"}
+    assert "Esc stops" in drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts[-1]
+    end = time.monotonic() + 120
+    while (said := operator.send("TIMER")) == {"PASS_THROUGH"} and time.monotonic() < end:
+        time.sleep(0.05)
+    assert said == {"FINISHED"}
+    assert "agree with the core" in operator.reported[0]
+    assert not verify_operator._running
+    assert "Metallic Paint Core" in bpy.data.images
+
+
+def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
+    scene = build()
+    job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
+    verify_operator._running.append(job)
+    assert operator.send("ESC") == {"CANCELLED"}
+    assert not verify_operator._running
+    assert not job.folder.exists()
+    assert job._process.returncode is not None
+
+
+def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = build()
+    plane = scene.objects["Plane"]
+    bpy.context.view_layer.objects.active = plane
+    with pytest.raises(RuntimeError, match="Select an object with a metallic paint"):
+        bpy.ops.scene.metallic_paint_verify()
+    thing = bpy.context.view_layer.objects.active = scene.objects["Monkey"]
+    node = material.paint_node(thing.active_material)
+    node.inputs["Tilt"].default_value = 1000
+    with pytest.raises(RuntimeError, match=r"tilt is 1000.0 and must lie in"):
+        bpy.ops.scene.metallic_paint_verify()
+    node.inputs["Tilt"].default_value = 0.1
+    node.node_tree["metallic_paint_source"] = "of yesterday"
+    with pytest.raises(verify_operator.VerifyError, match="of an older version"):
+        verify_operator.run(scene, thing, SIZE)
+    node.node_tree["metallic_paint_source"] = material.digest(verify_operator.shader.source())
+    for lamp in [each for each in scene.objects if each.type == "LIGHT"]:
+        bpy.data.objects.remove(lamp)
+    with pytest.raises(verify_operator.VerifyError, match="No sun, spot or point light renders"):
+        verify_operator.run(scene, thing, SIZE)
+    with pytest.raises(RuntimeError, match="No sun, spot or point light renders"):
+        bpy.ops.scene.metallic_paint_verify()
+    scene.camera = None
+    with pytest.raises(RuntimeError, match="The scene has no camera"):
+        bpy.ops.scene.metallic_paint_verify()
+    monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
+    with pytest.raises(RuntimeError, match="metallic_paint_core cannot be loaded"):
+        bpy.ops.scene.metallic_paint_verify()
+    shown = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    assert "cannot be loaded" in shown
+    assert "works without it" in shown.replace("\n", " ")
