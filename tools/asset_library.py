@@ -22,7 +22,6 @@ from metallic_paint import material, presets  # noqa: E402
 
 PIXELS = 128
 SAMPLES = 32
-BALL = 0.020  # radius, metres: that of the gallery's swatches
 CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
 CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 
@@ -30,11 +29,7 @@ CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 def render_swatches(folder: Path) -> None:
     folder.mkdir(parents=True)
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
-    scenes.add_floor(scene, 3, 0.16)
-    ball = scenes.add_ball(scene, (0, 0, BALL), BALL)
-    scenes.add_camera(scene, (0, -0.40, 0.17), (0, 0, BALL), 2.3 * BALL)
-    scenes.add_sun(scene, (-0.45, -0.55, 0.9), 1.7)
-    scenes.set_studio_light(scene, "courtyard", 0.6, 0, scenes.COURTYARD_BALANCE)
+    ball = scenes.small_swatch(scene)
     painted = material.create(render_scene.load_paint(presets.names()[0]))
     material.assign(ball, painted)
     painted.pass_index = render_scene.PAINT_INDEX

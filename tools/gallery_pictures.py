@@ -112,15 +112,9 @@ def macro(studio: Studio) -> list[list[np.ndarray]]:
     shots = []
     for preset, mm in shown[:2] if studio.quick else shown:
         scene = studio.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
-        scene.cycles.filter_width = 2.5  # pixels: the lens blurs a flake as small as a pixel
-        radius = 0.006 * mm
-        ball = scenes.add_ball(scene, (0, 0, -radius), radius)
+        ball = scenes.close_up(scene, mm * 1e-3)
         render_scene.paint_objects([ball], render_scene.load_paint(preset))
-        width = mm * 1e-3
-        scenes.add_camera(scene, (0, 0, 15 * width), (0, 0, 0), width)
         scenes.add_label(scene, f"{preset}, {mm} mm")
-        scenes.add_sun(scene, (0.2, 0.25, 1), 1.7)
-        scenes.set_studio_light(scene, "courtyard", 0.6, 0, scenes.COURTYARD_BALANCE)
         shots.append(studio.shoot(scene, preset))
     return [shots]
 

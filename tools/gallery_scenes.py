@@ -51,8 +51,8 @@ def add_camera(
     return camera
 
 
-def add_label(scene: bpy.types.Scene, text: str) -> bpy.types.Object:
-    """Words at the lower edge of the picture."""
+def add_label(scene: bpy.types.Scene, text: str, *, plate: bool = False) -> bpy.types.Object:
+    """Words at the lower edge of the picture; with `plate` on black, where sparkles hide them."""
     camera = scene.camera.data
     near = 10 * camera.clip_start
     half = near * camera.sensor_width / camera.lens / 2
@@ -61,24 +61,36 @@ def add_label(scene: bpy.types.Scene, text: str) -> bpy.types.Object:
     curve.align_x = "CENTER"
     label = bpy.data.objects.new("Label", curve)
     scene.collection.objects.link(label)
-    label.parent = scene.camera
-    label.location = (
-        0,
-        -half * 0.94 * scene.render.resolution_y / scene.render.resolution_x,
-        -near,
-    )
+    bottom = -half * 0.94 * scene.render.resolution_y / scene.render.resolution_x
+    _fix_to_camera(scene, label, (0, bottom, -near), 0.85 * 2**-scene.view_settings.exposure)
+    if plate:
+        low, high = -0.1 * half, 0.124 * half
+        corners = np.array(
+            [(x, y, 0) for x, y in ((-half, low), (half, low), (half, high), (-half, high))]
+        )
+        black = demo_model.add_mesh(scene, "Plate", corners, np.array([(0, 1, 2, 3)]), None)
+        _fix_to_camera(scene, black, (0, bottom, -1.001 * near), 0)
+    return label
+
+
+def _fix_to_camera(
+    scene: bpy.types.Scene, thing: bpy.types.Object, at: Sequence[float], radiance: float
+) -> None:
+    """At a place of the camera's space, shining, seen by the camera alone."""
+    thing.parent = scene.camera
+    thing.location = at
     for ray in ("diffuse", "glossy", "shadow"):
-        setattr(label, f"visible_{ray}", False)
-    surface = bpy.data.materials.new("Label")
+        setattr(thing, f"visible_{ray}", False)
+    surface = bpy.data.materials.new(thing.name)
     if surface.node_tree is None:
         surface.use_nodes = True  # Blender 4.5
     nodes = surface.node_tree.nodes
     nodes.clear()
     glow, out = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")
     surface.node_tree.links.new(glow.outputs[0], out.inputs["Surface"])
-    glow.inputs["Strength"].default_value = 0.85 * 2**-scene.view_settings.exposure
-    curve.materials.append(surface)
-    return label
+    glow.inputs["Strength"].default_value = radiance
+    thing.data.materials.clear()
+    thing.data.materials.append(surface)
 
 
 # ---- Light ----
@@ -206,6 +218,28 @@ def swatch(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     add_sun(scene, (-0.45, -0.55, 0.9), 1.7)
     set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)
     return [panel, ball]
+
+
+def small_swatch(scene: bpy.types.Scene) -> bpy.types.Object:
+    """A ball of 40 mm alone in the picture, on the board and in the light of the swatch."""
+    radius = 0.020
+    add_floor(scene, 3, 0.16)
+    ball = add_ball(scene, (0, 0, radius), radius)
+    add_camera(scene, (0, -0.40, 0.17), (0, 0, radius), 2.3 * radius)
+    add_sun(scene, (-0.45, -0.55, 0.9), 1.7)
+    set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)
+    return ball
+
+
+def close_up(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
+    """The top of a ball in a picture `width` metres wide, the sun almost behind the camera."""
+    scene.cycles.filter_width = 2.5  # pixels: the lens blurs a flake as small as a pixel
+    radius = 6 * width
+    ball = add_ball(scene, (0, 0, -radius), radius)
+    add_camera(scene, (0, 0, 15 * width), (0, 0, 0), width)
+    add_sun(scene, (0.2, 0.25, 1), 1.7)
+    set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)
+    return ball
 
 
 def car(scene: bpy.types.Scene) -> bpy.types.Object:
