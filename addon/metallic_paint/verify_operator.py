@@ -39,6 +39,10 @@ class VerifyError(RuntimeError):
     """Why a scene cannot be checked, in a sentence."""
 
 
+# What a check may end in: also a full disk, and files of the other process that are cut off.
+_ENDS = (VerifyError, OSError, RuntimeError, ValueError, EOFError)
+
+
 @dataclass(frozen=True)
 class Found:
     """How the region agrees with the core."""
@@ -483,7 +487,7 @@ pixel against the core. The pictures become images of this file"""
             return self.execute(context)
         try:
             _running.append(Job(context.scene, context.object, self.size))
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._timer = context.window_manager.event_timer_add(_SECONDS, window=context.window)
@@ -505,7 +509,7 @@ pixel against the core. The pictures become images of this file"""
                 _redraw(context)
                 return {"PASS_THROUGH"}
             job.pictures()
-        except VerifyError as error:
+        except _ENDS as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -523,7 +527,7 @@ pixel against the core. The pictures become images of this file"""
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             found = run(context.scene, context.object, self.size)
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _show(self, context, found)

@@ -209,6 +209,24 @@ def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
     assert "Metallic Paint Core" in bpy.data.images
 
 
+@pytest.mark.parametrize(
+    "error", [FileNotFoundError("pictures.npy"), ValueError("cut off"), EOFError("No data left")]
+)
+def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
+    operator: SimpleNamespace, error: Exception
+) -> None:
+    def pictures() -> None:
+        raise error
+
+    closed = []
+    job = SimpleNamespace(poll=lambda: True, pictures=pictures, close=lambda: closed.append(True))
+    verify_operator._running.append(job)
+    assert operator.send("TIMER") == {"CANCELLED"}
+    assert operator.reported == [str(error)]
+    assert closed
+    assert not verify_operator._running
+
+
 def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     scene = build()
     job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
