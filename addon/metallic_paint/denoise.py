@@ -26,7 +26,7 @@ from .panel import draw_lines
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
 
-_MARK = "metallic_paint_denoise"  # of our node trees; of the scene: what was before
+_MARK = "metallic_paint_denoise"  # of our nodes, trees and lamps; of the scene: what was before
 _PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
 _BLENDER_5 = bpy.app.version >= (5, 0)
 _GLOSSY = ("Glossy Direct", "Glossy Color") if _BLENDER_5 else ("GlossDir", "GlossCol")
@@ -43,6 +43,8 @@ def why_not(scene: bpy.types.Scene) -> str:
     """What keeps set_up from it, in a sentence; empty where nothing does."""
     if not scene.is_editable:
         return "The scene is linked from another file and cannot be changed"
+    if scene.render.engine != "CYCLES":
+        return "The scene does not render with Cycles"
     if names := _foreign_nodes(_tree(scene)):
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
     if sum(layer.use for layer in scene.view_layers) != 1:
@@ -70,7 +72,8 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
 
     Call it again when lights or painted materials came: it renews what it made. remove() is its
     inverse. Lamps keep their light groups; those without one come into the group "Sparkles". Raises
-    DenoiseError, with nothing changed, where the scene has compositing of its own.
+    DenoiseError, with nothing changed, where why_not has a reason. After any other error nothing is
+    set up.
     """
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
@@ -84,20 +87,14 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "use_compositing": scene.render.use_compositing,
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
+        "made_light_group": False,
     }
-    changed = [*_set_light_groups(scene, layer, slots, was)]
-    for name in _PASSES:
-        setattr(layer, name, True)
-    layer.cycles.denoising_store_passes = True
-    changed.append(f"The view layer “{layer.name}” renders the passes that denoising needs.")
-    if scene.cycles.use_denoising:
-        scene.cycles.use_denoising = False
-        changed.append("Cycles' own denoising is off: compositing denoises instead.")
-    scene.render.use_compositing = True
-    groups = sorted({scene.objects[name].lightgroup for name in slots} - {""})
-    _compose(scene, layer, groups, was)
+    try:
+        changed = _change(scene, layer, slots, was)
+    except BaseException:
+        _change_back(scene, was)
+        raise
     scene[_MARK] = was
-    changed.append("Compositing denoises all but the sparkles.")
     return changed
 
 
@@ -108,21 +105,7 @@ def remove(scene: bpy.types.Scene) -> list[str]:
     """
     if reason := _why_not_remove(scene):
         raise DenoiseError(f"{reason}.")
-    was = dict(scene[_MARK])
-    _take_down(scene, was)
-    layer = scene.view_layers.get(was["layer"])
-    if layer is not None:
-        for name in _PASSES:
-            setattr(layer, name, bool(was[name]))
-        layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
-        for name in was["lamps"]:
-            lamp = scene.objects.get(name)
-            if lamp is not None and lamp.lightgroup == LIGHT_GROUP:
-                lamp.lightgroup = ""
-        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
-            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
-    scene.cycles.use_denoising = bool(was["use_denoising"])
-    scene.render.use_compositing = bool(was["use_compositing"])
+    _change_back(scene, dict(scene[_MARK]))
     del scene[_MARK]
     state = "on" if scene.cycles.use_denoising else "off"
     return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
@@ -162,6 +145,45 @@ def node_group() -> bpy.types.NodeTree:
     return group
 
 
+# --- there and back ----------------------------------------------------------------------------
+
+
+def _change(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
+) -> list[str]:
+    changed = _set_light_groups(scene, layer, slots, was)
+    for name in _PASSES:
+        setattr(layer, name, True)
+    layer.cycles.denoising_store_passes = True
+    changed.append(f"The view layer “{layer.name}” renders the passes that denoising needs.")
+    if scene.cycles.use_denoising:
+        scene.cycles.use_denoising = False
+        changed.append("Cycles' own denoising is off: compositing denoises instead.")
+    scene.render.use_compositing = True
+    groups = sorted({scene.objects[name].lightgroup for name in slots} - {""})
+    _compose(scene, layer, groups, was)
+    changed.append("Compositing denoises all but the sparkles.")
+    return changed
+
+
+def _change_back(scene: bpy.types.Scene, was: dict) -> None:
+    """Also of a change that broke off."""
+    _take_down(scene, was)
+    layer = scene.view_layers.get(was["layer"])
+    if layer is not None:
+        for name in _PASSES:
+            setattr(layer, name, bool(was[name]))
+        layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
+        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
+            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+    for lamp in [thing for thing in scene.objects if _MARK in thing]:
+        if lamp.lightgroup == LIGHT_GROUP:
+            lamp.lightgroup = ""
+        del lamp[_MARK]
+    scene.cycles.use_denoising = bool(was["use_denoising"])
+    scene.render.use_compositing = bool(was["use_compositing"])
+
+
 # --- passes and light groups -------------------------------------------------------------------
 
 
@@ -169,19 +191,19 @@ def _set_light_groups(
     scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
 ) -> list[str]:
     """Every lamp with a slot comes into a light group of the layer."""
-    was["made_light_group"] = False
     named = [scene.objects[name] for name in slots]
     lamps = [lamp for lamp in named if lamp.is_editable]
-    was["lamps"] = [lamp.name for lamp in lamps if not lamp.lightgroup]
-    changed = []
+    without = [lamp for lamp in lamps if not lamp.lightgroup]
+    for lamp in without:
+        lamp.lightgroup, lamp[_MARK] = LIGHT_GROUP, True
     for lamp in lamps:
-        if not lamp.lightgroup:
-            lamp.lightgroup = LIGHT_GROUP
         if lamp.lightgroup not in layer.lightgroups:
             layer.lightgroups.add(name=lamp.lightgroup)
             was["made_light_group"] |= lamp.lightgroup == LIGHT_GROUP
-    if was["lamps"]:
-        changed.append(f"In the light group “{LIGHT_GROUP}”: {', '.join(was['lamps'])}.")
+    changed = []
+    if without:
+        names = ", ".join(lamp.name for lamp in without)
+        changed.append(f"In the light group “{LIGHT_GROUP}”: {names}.")
     if len(lamps) < len(named):
         linked = ", ".join(lamp.name for lamp in named if lamp not in lamps)
         changed.append(f"Sparkles of {linked} are denoised: linked from another file.")
@@ -216,14 +238,15 @@ def _compose(
         if scene.compositing_node_group is not None:
             was["tree"] = scene.compositing_node_group
         tree = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        tree[_MARK] = "scene"
         scene.compositing_node_group = tree
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     else:
         was["use_nodes"] = scene.use_nodes
         scene.use_nodes = True
         tree = scene.node_tree
+        tree[_MARK] = "scene"
         tree.nodes.clear()
-    tree[_MARK] = "scene"
     passes = tree.nodes.new("CompositorNodeRLayers")
     passes.scene, passes.layer = scene, layer.name
     node = tree.nodes.new("CompositorNodeGroup")
@@ -262,7 +285,9 @@ def _painted(layer: bpy.types.ViewLayer) -> list[str]:
 
 def _take_down(scene: bpy.types.Scene, was: dict) -> None:
     tree = _tree(scene)
-    if _BLENDER_5:
+    if tree is None or _MARK not in tree:
+        pass  # broke off before it was made
+    elif _BLENDER_5:
         scene.compositing_node_group = was.get("tree")
         bpy.data.node_groups.remove(tree)
     else:

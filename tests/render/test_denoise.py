@@ -167,6 +167,17 @@ def state(scene: bpy.types.Scene) -> dict:
     }
 
 
+def add_plain_compositing(scene: bpy.types.Scene) -> None:
+    """Blender 4.5: nodes that only hand the picture on, switched off. Blender 5 has none then."""
+    if bpy.app.version < (5, 0):
+        scene.use_nodes = True
+        scene.node_tree.nodes.clear()
+        passes = scene.node_tree.nodes.new("CompositorNodeRLayers")
+        out = scene.node_tree.nodes.new("CompositorNodeComposite")
+        scene.node_tree.links.new(passes.outputs[0], out.inputs[0])
+        scene.use_nodes = False
+
+
 def test_the_inverse_takes_everything_back(registered: None) -> None:
     scene = build()
     denoise.needs.fit(scene)
@@ -174,13 +185,7 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
     scene.cycles.use_denoising = layer.use_pass_glossy_color = True
     scene.objects["Sun"].lightgroup = "Key"
     add_lamp("POINT", "Point")
-    if bpy.app.version < (5, 0):
-        scene.use_nodes = True  # the default nodes, which only hand the picture on
-        scene.node_tree.nodes.clear()
-        passes = scene.node_tree.nodes.new("CompositorNodeRLayers")
-        out = scene.node_tree.nodes.new("CompositorNodeComposite")
-        scene.node_tree.links.new(passes.outputs[0], out.inputs[0])
-        scene.use_nodes = False
+    add_plain_compositing(scene)
     before = state(scene)
     for _ in range(2):  # once more renews
         assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
@@ -198,6 +203,46 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
         bpy.ops.scene.metallic_paint_denoise_remove()
     with pytest.raises(denoise.DenoiseError, match="is not set up"):
         denoise.remove(scene)
+
+
+def test_another_engine_is_refused_and_nothing_changes(registered: None) -> None:
+    scene = build()
+    scene.render.engine = "BLENDER_WORKBENCH"
+    before = state(scene)
+    with pytest.raises(RuntimeError, match="The scene does not render with Cycles"):
+        bpy.ops.scene.metallic_paint_denoise()
+    with pytest.raises(denoise.DenoiseError, match="The scene does not render with Cycles"):
+        denoise.set_up(scene)
+    assert state(scene) == before
+
+
+@pytest.mark.parametrize("step", ["_compose", "node_group", "_mix", "_painted", "_lay_out"])
+def test_a_set_up_that_breaks_off_changes_nothing(
+    monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    scene = build()
+    denoise.needs.fit(scene)
+    scene.cycles.use_denoising = True
+    add_plain_compositing(scene)
+    before = state(scene)
+
+    def fail(*_: object) -> None:
+        raise KeyError(step)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(denoise, step, fail)
+        with pytest.raises(KeyError, match=step):
+            denoise.set_up(scene)
+    assert state(scene) == before
+    assert denoise.set_up(scene)
+
+
+def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
+    scene = build()
+    denoise.set_up(scene)
+    scene.objects["Sun"].name = "Moon"
+    denoise.remove(scene)
+    assert scene.objects["Moon"].lightgroup == ""
 
 
 def add_glare(scene: bpy.types.Scene) -> None:
