@@ -49,7 +49,33 @@ def why_not(scene: bpy.types.Scene) -> str:
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
     if sum(layer.use for layer in scene.view_layers) != 1:
         return "One view layer must render: compositing several is the artist's choice"
+    if names := [name for name in _painted(_layer(scene)) if not _in_cryptomatte(name)]:
+        listed = ", ".join(f"“{name}”" for name in names)
+        return f"Rename {listed}: Cryptomatte takes no comma, nor a space or < at the start"
     return ""
+
+
+def outdated(scene: bpy.types.Scene) -> str:
+    """What keeps the set-up from its purpose since, in a sentence; empty where nothing does.
+
+    Quick enough for a panel: the lamps with a slot are those of the last fit.
+    """
+    if not is_set_up(scene):
+        return ""
+    was = scene[_MARK]
+    layer = scene.view_layers.get(was["layer"])
+    if layer is None or not layer.use:
+        new = ["the view layer that renders"]
+    else:
+        new = sorted(set(_painted(layer)) - set(was["painted"]))
+        groups = set(was["groups"]) & {group.name for group in layer.lightgroups}
+        new += [
+            lamp.name
+            for lamp in lights.in_slots()
+            if lamp.is_editable and lamp.lightgroup not in groups
+        ]
+    again = SCENE_OT_metallic_paint_denoise.bl_label
+    return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
 
 
 def _why_not_remove(scene: bpy.types.Scene) -> str:
@@ -80,7 +106,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
     slots = needs.fit(scene).lights.slots
     if is_set_up(scene):
         remove(scene)
-    layer = next(layer for layer in scene.view_layers if layer.use)
+    layer = _layer(scene)
     was = {
         "layer": layer.name,
         "use_denoising": scene.cycles.use_denoising,
@@ -88,6 +114,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
         "made_light_group": False,
+        "painted": _painted(layer),
     }
     try:
         changed = _change(scene, layer, slots, was)
@@ -160,8 +187,8 @@ def _change(
         scene.cycles.use_denoising = False
         changed.append("Cycles' own denoising is off: compositing denoises instead.")
     scene.render.use_compositing = True
-    groups = sorted({scene.objects[name].lightgroup for name in slots} - {""})
-    _compose(scene, layer, groups, was)
+    was["groups"] = sorted({scene.objects[name].lightgroup for name in slots} - {""})
+    _compose(scene, layer, was)
     changed.append("Compositing denoises all but the sparkles.")
     return changed
 
@@ -224,15 +251,18 @@ def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
     return scene.compositing_node_group if _BLENDER_5 else scene.node_tree
 
 
+def _layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
+    """The one that renders."""
+    return next(layer for layer in scene.view_layers if layer.use)
+
+
 def _foreign_nodes(tree: bpy.types.NodeTree | None) -> list[str]:
     """Nodes that do something and are not ours, even if the tree is switched off."""
     nodes = tree.nodes if tree is not None else ()
     return [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
 
 
-def _compose(
-    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, groups: list[str], was: dict
-) -> None:
+def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> None:
     """The scene's tree: the layer's passes through our group to the output."""
     if _BLENDER_5:
         if scene.compositing_node_group is not None:
@@ -255,7 +285,7 @@ def _compose(
     out = tree.nodes.new("NodeGroupOutput" if _BLENDER_5 else "CompositorNodeComposite")
     links = tree.links
     lamps = None
-    for name in groups:
+    for name in was["groups"]:
         light = passes.outputs[f"Combined_{name}"]
         lamps = light if lamps is None else _mix(tree, "ADD", lamps, light)
     names = ("Image", *_GLOSSY, *_GUIDES)
@@ -264,7 +294,7 @@ def _compose(
         links.new(passes.outputs[name], node.inputs[label])
     matte = tree.nodes.new("CompositorNodeCryptomatteV2")
     matte.scene, matte.layer_name = scene, f"{layer.name}.CryptoMaterial"
-    matte.matte_id = ",".join(_painted(layer))
+    matte.matte_id = ",".join(was["painted"])
     links.new(matte.outputs["Matte"], node.inputs["Paint"])
     if lamps is None:
         node.inputs["Light Groups"].default_value = (0, 0, 0, 0)
@@ -276,11 +306,14 @@ def _compose(
 
 def _painted(layer: bpy.types.ViewLayer) -> list[str]:
     """Names of the materials that hold a paint, of objects that render."""
-    slots = [slot for thing in lights.rendered(layer, ever=True) for slot in thing.material_slots]
-    painted = {
-        s.material.name for s in slots if s.material and lights.holds_slots(s.material.node_tree)
-    }
-    return sorted(painted)
+    things = lights.rendered(layer, ever=True)
+    materials = {slot.material for thing in things for slot in thing.material_slots} - {None}
+    return sorted({each.name for each in materials if lights.holds_slots(each.node_tree)})
+
+
+def _in_cryptomatte(name: str) -> bool:
+    """Whether the node's list of mattes can have the name."""
+    return "," not in name and not name.startswith((" ", "<"))
 
 
 def _take_down(scene: bpy.types.Scene, was: dict) -> None:
@@ -390,7 +423,7 @@ class MATERIAL_PT_metallic_paint_denoise(bpy.types.Panel):
         column.operator(SCENE_OT_metallic_paint_denoise.bl_idname)
         if is_set_up(context.scene):
             column.operator(SCENE_OT_metallic_paint_denoise_remove.bl_idname)
-        elif reason := why_not(context.scene):
+        if reason := why_not(context.scene) or outdated(context.scene):
             draw_lines(column, f"{reason}.", "INFO")
 
 

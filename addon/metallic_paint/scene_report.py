@@ -66,6 +66,8 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
     if not fitted.lights.slots:
         lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
+    if outdated := denoise.outdated(scene):
+        lines.append((WARNING, f"{outdated}."))
     layers = [layer for layer in scene.view_layers if layer.use]
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]

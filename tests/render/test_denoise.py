@@ -16,7 +16,7 @@ import numpy as np
 import panels
 import pytest
 from lamps import add_lamp
-from metallic_paint import denoise, material, presets, verify
+from metallic_paint import denoise, material, presets, scene_report, verify
 from recording import drawn
 
 SIZE = 80
@@ -243,6 +243,54 @@ def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
     scene.objects["Sun"].name = "Moon"
     denoise.remove(scene)
     assert scene.objects["Moon"].lightgroup == ""
+
+
+def test_what_came_since_is_told_until_one_presses_again(registered: None) -> None:
+    scene = build()
+    denoise.set_up(scene)
+    panel = denoise.MATERIAL_PT_metallic_paint_denoise
+
+    def told() -> str:
+        denoise.needs.fit(scene)
+        found = denoise.outdated(scene)
+        warned = [text for level, text in scene_report.report(scene) if level == "WARNING"]
+        assert [f"{found}."] * bool(found) == [text for text in warned if "does not know" in text]
+        assert found.split() == " ".join(drawn(panel).texts[2:]).rstrip(".").split()
+        return found
+
+    def pressed() -> None:
+        assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
+        assert told() == ""
+
+    assert told() == ""
+    paint = scene.objects["Sphere"].active_material
+    paint.name = "Renamed"
+    assert "does not know Renamed: press “Denoise, Keep Sparkles” again" in told()
+    pressed()
+    scene.objects["Plane"].active_material = material.create(presets.load("gold"), "Second")
+    add_lamp("POINT", "Lamp", energy=0.1, location=(0, 0, 1))
+    assert "does not know Second, Lamp: press" in told()
+    pressed()
+    scene.objects["Sun"].lightgroup = "Other"
+    assert "does not know Sun: press" in told()
+    pressed()
+    scene.view_layers[0].lightgroups.remove(scene.view_layers[0].lightgroups["Other"])
+    assert "does not know Sun: press" in told()
+    pressed()
+    scene.view_layers[0].name = "Main"
+    assert "does not know the view layer that renders: press" in told()
+    bpy.data.objects.remove(scene.objects["Sphere"])
+    pressed()
+
+
+@pytest.mark.parametrize("name", ["Silver, coarse", " Silver", "<1>"])
+def test_a_name_that_no_cryptomatte_has_is_refused(name: str) -> None:
+    scene = build()
+    paint = scene.objects["Sphere"].active_material
+    paint.name = name
+    assert f"Rename “{name}”: Cryptomatte takes no comma" in denoise.why_not(scene)
+    paint.name = "Silver"
+    assert denoise.why_not(scene) == ""
 
 
 def add_glare(scene: bpy.types.Scene) -> None:
