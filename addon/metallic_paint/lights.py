@@ -37,15 +37,17 @@ _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is mer
 
 @dataclass(frozen=True)
 class Report:
-    """What became of the scene's lights."""
+    """What became of the scene's lights: objects, for a linked one may share a local one's name."""
 
-    slots: tuple[str, ...]  # names of the light objects, slot 1 first
-    left_out: dict[str, str]  # name of a light object: why it makes no sparkles
+    slots: tuple[bpy.types.Object, ...]  # slot 1 first
+    left_out: dict[bpy.types.Object, str]  # why they make no sparkles
     read_only: tuple[str, ...]  # linked files whose paints keep the lights they came with
 
     def __str__(self) -> str:
-        lines = [f"light {i}: {name}" for i, name in enumerate(self.slots, 1)]
-        lines += [f"no sparkles from {name}: {why}" for name, why in self.left_out.items()]
+        lines = [f"light {i}: {light.name_full}" for i, light in enumerate(self.slots, 1)]
+        lines += [
+            f"no sparkles from {light.name_full}: {why}" for light, why in self.left_out.items()
+        ]
         lines += [f"paints linked from {path} do not see these lights" for path in self.read_only]
         return "\n".join(lines)
 
@@ -89,20 +91,20 @@ def fill(scene: bpy.types.Scene) -> Report:
     left_out = _instances(layers, matrices)
     for light in [light for light in matrices if light.data.type not in _KINDS]:
         del matrices[light]
-        left_out[light.name] = "an area light makes no sparkles"
-    lights = sorted(matrices, key=lambda light: light.name)
+        left_out[light] = "an area light makes no sparkles"
+    lights = sorted(matrices, key=lambda light: light.name_full)
     if len(lights) > SLOTS:
         irradiance = _irradiances(matrices, _painted_boxes(layers))
         brightest = sorted(lights, key=lambda light: -irradiance[light])
         for light in brightest[SLOTS:]:
-            left_out[light.name] = f"{SLOTS} brighter lights have the slots"
+            left_out[light] = f"{SLOTS} brighter lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
     for slot, light in enumerate(lights, 1):
         _feed(group, slot, light, matrices[light])
     group.nodes[METERS_PER_UNIT].outputs[0].default_value = scene.unit_settings.scale_length
     for layer in layers:
         layer.update()
-    return Report(tuple(light.name for light in lights), left_out, _linked_files())
+    return Report(tuple(lights), left_out, _linked_files())
 
 
 def show_other_light(needed: bool) -> None:
@@ -264,10 +266,10 @@ def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object
 
 def _instances(
     layers: list[bpy.types.ViewLayer], lights: dict[bpy.types.Object, Matrix]
-) -> dict[str, str]:
+) -> dict[bpy.types.Object, str]:
     """Lights that particles, geometry nodes or collection instances multiply."""
     return {
-        instance.object.name: "an instanced light has no place that a driver could follow"
+        instance.object.original: "an instanced light has no place that a driver could follow"
         for layer in layers
         for instance in layer.depsgraph.object_instances
         if instance.is_instance

@@ -186,7 +186,7 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     if _world_may_shine(scene) or any(map(_world_override, layers)):
         yield "the world"
     lamps = _lamps(things)
-    if report.left_out or any(lamp.name not in report.slots for lamp in lamps):
+    if report.left_out or any(lamp not in report.slots for lamp in lamps):
         yield "lights without a slot"
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
@@ -197,7 +197,7 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     if bounces > 0 and (len(shapes) > 1 or overridden):
         yield "their neighbours"
     elif bounces > 0:
-        sparkling = [lamp for lamp in lamps if lamp.name in report.slots]
+        sparkling = [lamp for lamp in lamps if lamp in report.slots]
         if not all(_sees_nothing_of_itself(shape, sparkling) for shape in shapes):
             yield "the paint itself"
 

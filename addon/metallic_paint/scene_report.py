@@ -131,7 +131,7 @@ def _about(
     scene: bpy.types.Scene,
     layer: bpy.types.ViewLayer,
     thing: bpy.types.Object,
-    lamps: tuple[str, ...],
+    lamps: tuple[bpy.types.Object, ...],
 ) -> tuple[list[Line], float]:
     """Lines about a painted object, and how bright a pixel of it may sparkle."""
     name = thing.name
@@ -158,7 +158,7 @@ def _about(
         if seen is None:
             lines.append((INFO, f"{label}: the camera does not see it."))
             continue
-        expected = _expect(paint, seen, [scene.objects[name] for name in lamps])
+        expected = _expect(paint, seen, lamps)
         brightest = max(brightest, expected.brightness or 0.0)
         lines += _judge(label, node, expected)
     return lines, brightest
@@ -206,7 +206,7 @@ def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> I
         )
 
 
-def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected:
+def _expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Expected:
     per_m2 = 1e6 * sum(flakes.flakes_per_mm2 for flakes in paint.species)
     flakes = float(np.median(seen.footprint)) * per_m2
     if verify.core_missing():
@@ -241,7 +241,7 @@ def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected
     )
 
 
-def _irradiances(lamps: list[bpy.types.Object], seen: Seen) -> np.ndarray:
+def _irradiances(lamps: tuple[bpy.types.Object, ...], seen: Seen) -> np.ndarray:
     """(n, lamps): of each lamp on a plane that faces it, W/m², without shadows and spots' edges."""
     columns = []
     for lamp in lamps:

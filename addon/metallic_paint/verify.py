@@ -184,13 +184,15 @@ class Probe:
         ]
         return found[0], found[1]
 
-    def lit_by(self, lamps: Iterable[str], diagnostic: int, light: int = 0) -> np.ndarray:
+    def lit_by(
+        self, lamps: Iterable[bpy.types.Object], diagnostic: int, light: int = 0
+    ) -> np.ndarray:
         """The picture with these lamps alone, every light slot as it was."""
         all_lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
         hidden = {o: o.hide_render for o in all_lamps}
         try:
             for o in all_lamps:
-                o.hide_render = o.name not in lamps
+                o.hide_render = o not in lamps
             return self.image(diagnostic, light)
         finally:
             for o, was in hidden.items():
