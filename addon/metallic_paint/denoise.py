@@ -70,9 +70,9 @@ def outdated(scene: bpy.types.Scene) -> str:
         new = sorted(set(_painted(layer)) - set(was["painted"]))
         groups = set(was["groups"]) & {group.name for group in layer.lightgroups}
         new += [
-            lamp.name
+            lamp.name_full
             for lamp in lights.in_slots()
-            if lamp.is_editable and lamp.lightgroup not in groups
+            if (lamp.is_editable or lamp.lightgroup) and lamp.lightgroup not in groups
         ]
     again = SCENE_OT_metallic_paint_denoise.bl_label
     return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
@@ -176,7 +176,10 @@ def node_group() -> bpy.types.NodeTree:
 
 
 def _change(
-    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    slots: tuple[bpy.types.Object, ...],
+    was: dict,
 ) -> list[str]:
     changed = _set_light_groups(scene, layer, slots, was)
     for name in _PASSES:
@@ -187,7 +190,7 @@ def _change(
         scene.cycles.use_denoising = False
         changed.append("Cycles' own denoising is off: compositing denoises instead.")
     scene.render.use_compositing = True
-    was["groups"] = sorted({scene.objects[name].lightgroup for name in slots} - {""})
+    was["groups"] = sorted({lamp.lightgroup for lamp in slots} - {""})
     _compose(scene, layer, was)
     changed.append("Compositing denoises all but the sparkles.")
     return changed
@@ -215,14 +218,16 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
 
 
 def _set_light_groups(
-    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    slots: tuple[bpy.types.Object, ...],
+    was: dict,
 ) -> list[str]:
     """Every lamp with a slot comes into a light group of the layer."""
-    named = [scene.objects[name] for name in slots]
-    lamps = [lamp for lamp in named if lamp.is_editable]
-    without = [lamp for lamp in lamps if not lamp.lightgroup]
+    without = [lamp for lamp in slots if lamp.is_editable and not lamp.lightgroup]
     for lamp in without:
         lamp.lightgroup, lamp[_MARK] = LIGHT_GROUP, True
+    lamps = [lamp for lamp in slots if lamp.lightgroup]
     for lamp in lamps:
         if lamp.lightgroup not in layer.lightgroups:
             layer.lightgroups.add(name=lamp.lightgroup)
@@ -231,11 +236,11 @@ def _set_light_groups(
     if without:
         names = ", ".join(lamp.name for lamp in without)
         changed.append(f"In the light group “{LIGHT_GROUP}”: {names}.")
-    if len(lamps) < len(named):
-        linked = ", ".join(lamp.name for lamp in named if lamp not in lamps)
+    if len(lamps) < len(slots):
+        linked = ", ".join(lamp.name_full for lamp in slots if lamp not in lamps)
         changed.append(f"Sparkles of {linked} are denoised: linked from another file.")
     groups = {lamp.lightgroup for lamp in lamps}
-    others = [thing.name for thing in scene.objects
+    others = [thing.name_full for thing in scene.objects
               if thing.lightgroup in groups and thing not in lamps]  # fmt: skip
     if scene.world is not None and scene.world.lightgroup in groups:
         others.append(f"the world {scene.world.name}")

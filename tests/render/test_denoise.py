@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp
+from lamps import add_lamp, link_namesake
 from metallic_paint import denoise, material, presets, scene_report, verify
 from recording import drawn
 
@@ -291,6 +292,25 @@ def test_a_name_that_no_cryptomatte_has_is_refused(name: str) -> None:
     assert f"Rename “{name}”: Cryptomatte takes no comma" in denoise.why_not(scene)
     paint.name = "Silver"
     assert denoise.why_not(scene) == ""
+
+
+@pytest.mark.parametrize("group", ["", "Theirs"])
+def test_a_linked_lamp_may_share_the_name_of_a_local_one(tmp_path: Path, group: str) -> None:
+    scene = build()
+    own = scene.objects["Sun"]
+    own.lightgroup = group
+    linked = link_namesake(own, tmp_path / "lamps.blend")
+    own.lightgroup = ""
+    said = "\n".join(denoise.set_up(scene))
+    assert (own.lightgroup, linked.lightgroup) == (denoise.LIGHT_GROUP, group)
+    assert ("Sparkles of Sun [lamps.blend] are denoised: linked" in said) == (group == "")
+    assert denoise.outdated(scene) == ""
+    groups = {group, denoise.LIGHT_GROUP} - {""}
+    passes = next(node for node in denoise._tree(scene).nodes if node.type == "R_LAYERS")
+    linked_passes = {socket.name for socket in passes.outputs if socket.is_linked}
+    assert {f"Combined_{name}" for name in groups} <= linked_passes
+    denoise.remove(scene)
+    assert own.lightgroup == ""
 
 
 def add_glare(scene: bpy.types.Scene) -> None:
