@@ -116,9 +116,20 @@ def show_other_light(needed: bool) -> None:
 
 def are_fed() -> bool:
     """Whether the light of every slot in use still exists."""
-    animation = node_group().animation_data
-    drivers = [curve.driver for curve in animation.drivers] if animation else []
-    return all(variable.targets[0].id for driver in drivers for variable in driver.variables)
+    return all(_sources())
+
+
+def in_slots() -> list[bpy.types.Object]:
+    """The lights that feed the slots now."""
+    lamps = [each for each in _sources() if isinstance(each, bpy.types.Object)]
+    return list(dict.fromkeys(lamps))
+
+
+def _sources() -> list[bpy.types.ID | None]:
+    """What the drivers of the slots look at; None for what is gone."""
+    found = [group.animation_data for group in groups()[:1]]
+    drivers = [curve.driver for animation in found if animation for curve in animation.drivers]
+    return [variable.targets[0].id for driver in drivers for variable in driver.variables]
 
 
 def values() -> list[tuple[float, Vector, float]]:

@@ -117,8 +117,11 @@ def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGrou
 
 
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
-    """Sets every socket of a paint that exists to the paint's values."""
-    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    """Sets every socket of a paint that exists to the paint's values.
+
+    Raises PaintError, with nothing changed, where the node is of another version.
+    """
+    node = _todays_node(target)
     for name, parameter in PARAMETERS.items():
         value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
@@ -128,9 +131,10 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
     """The paint that the sockets hold; links and drivers on them are not part of it.
 
-    Raises PaintError with field, value and range where a socket holds what no paint can have.
+    Raises PaintError with field, value and range where a socket holds what no paint can have, and
+    where the node is of another version.
     """
-    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    node = _todays_node(target)
     fields: dict[str, dict[str, object]] = {"": {}, "second": {}, "third": {}}
     for name, parameter in PARAMETERS.items():
         species, _, field = name.rpartition(".")
@@ -142,6 +146,19 @@ def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
         except PaintError as error:
             raise PaintError(f"{species}.{error}") from error
     return Paint(**paint)
+
+
+def _todays_node(
+    target: bpy.types.Material | bpy.types.ShaderNodeGroup,
+) -> bpy.types.ShaderNodeGroup:
+    """The paint node, whose sockets are today's."""
+    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    found = version(node.node_tree)
+    if found > VERSION:
+        raise PaintError("The paint is of a newer version: update the add-on first.")
+    if found < VERSION or any(each.label not in node.inputs for each in PARAMETERS.values()):
+        raise PaintError("The paint is of an older version: update it first.")
+    return node
 
 
 def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | str | Color:

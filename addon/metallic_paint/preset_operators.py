@@ -71,11 +71,10 @@ class _OnPaint:
 
 def _apply(operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str) -> set[str]:
     try:
-        paint = presets.load(name_or_path)
-    except presets.PresetError as error:
+        material.apply(operators.paint_node(context), presets.load(name_or_path))
+    except (presets.PresetError, PaintError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    material.apply(operators.paint_node(context), paint)
     return {"FINISHED"}
 
 

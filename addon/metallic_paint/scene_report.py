@@ -66,6 +66,8 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
     if not fitted.lights.slots:
         lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
+    if outdated := denoise.outdated(scene):
+        lines.append((WARNING, f"{outdated}."))
     layers = [layer for layer in scene.view_layers if layer.use]
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
@@ -149,14 +151,15 @@ def _about(
     name = thing.name
     lines: list[Line] = []
     brightest = 0.0
-    paints = [slot.material for slot in thing.material_slots if slot.material]
-    try:
-        found = [(each, _node(each)) for each in paints if _node(each) is not None]
-        nodes = [(each, node, material.paint_of(node)) for each, node in found]
-    except PaintError as error:
-        return [(ERROR, f"{name}: {error}")], 0.0
-    for painted, node, paint in nodes:
+    materials = [slot.material for slot in thing.material_slots if slot.material]
+    nodes = [(each, _node(each)) for each in materials if _node(each) is not None]
+    for painted, node in nodes:
         label = name if len(nodes) == 1 else f"{name}, {painted.name}"
+        try:
+            paint = material.paint_of(node)
+        except PaintError as error:
+            lines.append((ERROR, f"{label}: {error}"))
+            continue
         unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
         size = max(thing.dimensions) * unit
         if not _SMALLEST <= size <= _LARGEST:

@@ -39,6 +39,10 @@ class VerifyError(RuntimeError):
     """Why a scene cannot be checked, in a sentence."""
 
 
+# What a check may end in: also a full disk, and files of the other process that are cut off.
+_ENDS = (VerifyError, OSError, RuntimeError, ValueError, EOFError)
+
+
 @dataclass(frozen=True)
 class Found:
     """How the region agrees with the core."""
@@ -134,8 +138,8 @@ class Job:
             bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
             job = {
                 "modules": _modules(), "blend": str(blend), "folder": str(self.folder),
-                "scene": scene.name, "object": thing.name, "material": _painted(thing).name,
-                "size": size,
+                "scene": scene.name_full, "object": thing.name_full,
+                "material": _painted(thing).name_full, "size": size,
             }  # fmt: skip
             file = self.folder / "job.json"
             file.write_text(json.dumps(job), encoding="utf-8")
@@ -257,10 +261,9 @@ def check(
     if layer is None:
         raise VerifyError(f"{thing.name} does not render.")
     notes = _freeze(painted, layer)
-    names = lights.fill(scene).slots
-    if not names:
+    lamps = lights.fill(scene).slots
+    if not lamps:
         raise VerifyError("No sun, spot or point light renders: there is no sparkle to check.")
-    lamps = [scene.objects[name] for name in names]
     slots = verify.core_lights()
     node = material.paint_node(painted)
     frame = int(node.inputs["Frame"].default_value)
@@ -293,7 +296,7 @@ def check(
             counts = [probe.image(verify.COUNT, leader, i)[..., 0] for i in in_use]
             cone = probe.image(verify.CONE, leader)[..., 0]
             picture, irradiance = (
-                probe.lit_by([lamp.name], diagnostic, leader)
+                probe.lit_by([lamp], diagnostic, leader)
                 for diagnostic in (verify.SPARKLES, verify.IRRADIANCE)
             )
             compared = verify.compare(
@@ -483,7 +486,7 @@ pixel against the core. The pictures become images of this file"""
             return self.execute(context)
         try:
             _running.append(Job(context.scene, context.object, self.size))
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._timer = context.window_manager.event_timer_add(_SECONDS, window=context.window)
@@ -505,7 +508,7 @@ pixel against the core. The pictures become images of this file"""
                 _redraw(context)
                 return {"PASS_THROUGH"}
             job.pictures()
-        except VerifyError as error:
+        except _ENDS as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -523,7 +526,7 @@ pixel against the core. The pictures become images of this file"""
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             found = run(context.scene, context.object, self.size)
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _show(self, context, found)

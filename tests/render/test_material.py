@@ -12,7 +12,15 @@ import numpy as np
 import OpenImageIO
 import pytest
 from metallic_paint import lights, material, presets, shader
-from metallic_paint.paint import PANELS, PARAMETERS, Flakes, Paint, shader_value, value_of
+from metallic_paint.paint import (
+    PANELS,
+    PARAMETERS,
+    Flakes,
+    Paint,
+    PaintError,
+    shader_value,
+    value_of,
+)
 
 Render = Callable[[], np.ndarray]
 
@@ -211,6 +219,26 @@ def test_a_material_without_paint_takes_no_paint() -> None:
     plain = bpy.data.materials.new("Plain")
     with pytest.raises(ValueError, match="'Plain' has no Metallic Paint node"):
         material.apply(plain, Paint())
+
+
+@pytest.mark.parametrize(
+    ("version", "reason"),
+    [(material.VERSION - 1, "older version: update it"), (material.VERSION, "older version"),
+     (material.VERSION + 1, "newer version: update the add-on")],
+)  # fmt: skip
+def test_a_paint_of_another_version_is_neither_read_nor_changed(version: int, reason: str) -> None:
+    painted = bpy.data.materials.new("Other")
+    if painted.node_tree is None:
+        painted.use_nodes = True  # Blender 4.5
+    node = painted.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = bpy.data.node_groups.new(material.NAME, "ShaderNodeTree")
+    node.node_tree["metallic_paint"] = version
+    first = next(iter(PARAMETERS.values())).label  # apply would set it, and miss the second
+    node.node_tree.interface.new_socket(first, in_out="INPUT", socket_type="NodeSocketFloat")
+    for act in (material.paint_of, lambda each: material.apply(each, Paint())):
+        with pytest.raises(PaintError, match=f"The paint is of an? {reason}"):
+            act(painted)
+    assert node.inputs[first].default_value == 0
 
 
 def test_assigning_paints_the_whole_object(plane: bpy.types.Object) -> None:

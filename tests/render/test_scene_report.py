@@ -233,6 +233,20 @@ def test_values_that_no_paint_can_have_are_named() -> None:
     assert "Ball: flake_color[0] + flake_transmission[0]" in said(scene, "ERROR")
 
 
+def test_an_older_paint_is_named_and_the_others_are_reported_on() -> None:
+    scene = build()
+    thing = scene.objects["Ball"]
+    older = thing.active_material.copy()
+    older.name = "Older"
+    node = material.paint_node(older)
+    node.node_tree = node.node_tree.copy()
+    node.node_tree["metallic_paint"] = material.VERSION - 1
+    node.node_tree.interface.clear()
+    thing.data.materials.append(older)
+    assert bad(scene) == "Ball, Older: The paint is of an older version: update it first."
+    assert "Ball, Metallic Paint: " in said(scene, "INFO")
+
+
 def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:
     scene = build()
     panel = scene_report.MATERIAL_PT_metallic_paint_report
