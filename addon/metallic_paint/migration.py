@@ -165,13 +165,17 @@ def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.bpy_prop_collection]
     if animation is None:
         return
     yield animation.drivers
-    if animation.action is None:
-        return
-    for layer in animation.action.layers:
-        for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
-            if bag is not None:
-                yield bag.fcurves
+    strips = [strip for track in animation.nla_tracks for strip in track.strips]
+    used = {
+        (each.action, each.action_slot)
+        for each in (animation, *strips)
+        if each.action is not None and each.action_slot is not None
+    }
+    for action, slot in used:
+        for layer in action.layers:
+            for strip in layer.strips:
+                if (bag := strip.channelbag(slot)) is not None:
+                    yield bag.fcurves
 
 
 def _remove_unused() -> None:
