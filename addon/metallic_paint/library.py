@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-FOLDER = Path(__file__).parent / "assets"
+FOLDER = Path(__file__).resolve().parent / "assets"
 NAME = "Metallic Paint"
 
 
@@ -39,7 +39,9 @@ class PREFERENCES_OT_metallic_paint_add_library(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         libraries = context.preferences.filepaths.asset_libraries
-        libraries.new(name=NAME, directory=str(FOLDER))
+        library = libraries.new(name=NAME, directory=str(FOLDER))
+        if library.import_method == "PACK":  # Blender 5: linked, so neither edited nor lit here
+            library.import_method = "APPEND"
         context.preferences.is_dirty = True
         return {"FINISHED"}
 
