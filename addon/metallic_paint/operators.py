@@ -22,6 +22,14 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     return active if active in paints else next(iter(paints), None)
 
 
+def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """For a poll: without Cycles, an add-on of its own, no paint compiles or is fitted."""
+    if hasattr(context.scene, "cycles"):
+        return True
+    operator.poll_message_set("Enable the add-on Cycles Render Engine first")
+    return False
+
+
 def report_of(operator: bpy.types.Operator, text: str, kind: str = "INFO") -> None:
     for line in text.splitlines():
         operator.report({kind}, line)
@@ -58,6 +66,8 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        if not has_cycles(cls, context):
+            return False
         thing = context.object
         if thing is None or thing.type not in PAINTABLE:
             cls.poll_message_set("Select an object whose surface can hold a material")
@@ -89,6 +99,8 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        if not has_cycles(cls, context):
+            return False
         space = context.space_data
         tree = space.edit_tree if space is not None and space.type == "NODE_EDITOR" else None
         if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
@@ -132,7 +144,7 @@ This happens by itself while one works; a script calls it"""
         if not lights.groups():
             cls.poll_message_set("This file has no metallic paint")
             return False
-        return True
+        return has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         report_of(self, str(needs.fit(context.scene)))
@@ -148,8 +160,7 @@ class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not hasattr(context.scene, "cycles"):
-            cls.poll_message_set("Enable the add-on Cycles Render Engine first")
+        if not has_cycles(cls, context):
             return False
         if not context.scene.is_editable:
             cls.poll_message_set("The scene is linked from another file and cannot be changed")
@@ -174,7 +185,7 @@ values, links and animation stay; their look may change"""
         if not migration.has_outdated():
             cls.poll_message_set("All paints of this file are of today's version")
             return False
-        return True
+        return has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         report = migration.update()

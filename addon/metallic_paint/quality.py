@@ -152,6 +152,10 @@ class MATERIAL_PT_metallic_paint_quality(bpy.types.Panel):
     bl_context = "material"
     bl_options = {"DEFAULT_CLOSED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return hasattr(context.scene, "cycles")  # its add-on may be off
+
     def draw(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)
         name = SCENE_OT_metallic_paint_quality.bl_idname
