@@ -106,7 +106,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     group.nodes[METERS_PER_UNIT].outputs[0].default_value = scene.unit_settings.scale_length
     for layer in layers:
         layer.update()
-    return Report(tuple(lights), left_out, _linked_files())
+    return Report(tuple(lights), left_out, linked_files())
 
 
 def show_other_light(needed: bool) -> None:
@@ -195,7 +195,8 @@ def _one_group() -> bpy.types.ShaderNodeTree:
     return group
 
 
-def _linked_files() -> tuple[str, ...]:
+def linked_files() -> tuple[str, ...]:
+    """The files that paints are linked from, which keep the lights that they have there."""
     trees = bpy.data.node_groups
     return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
 

@@ -38,6 +38,8 @@ NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
 MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
 
+_GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
+
 _MARK = "metallic_paint"  # custom properties of the group: its version, and its shader's digest
 _SOURCE_MARK = "metallic_paint_source"
 
@@ -71,6 +73,13 @@ _NORMAL_DESCRIPTIONS = {
 }
 _SHUT = (SECOND, THIRD, DIAGNOSTICS)  # panels that start closed
 
+# At normal incidence, of those of paint.COATINGS that are metals; linear RGB.
+_METALS = {
+    "aluminium": (0.87, 0.88, 0.89), "silver": (0.98, 0.98, 0.97), "gold": (1.0, 0.67, 0.26),
+    "copper": (0.90, 0.53, 0.42), "bronze": (0.94, 0.65, 0.38), "brass": (0.87, 0.72, 0.33),
+    "chromium": (0.42, 0.42, 0.43), "nickel": (0.59, 0.53, 0.45),
+}  # fmt: skip
+
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
@@ -98,26 +107,34 @@ def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
         material.use_nodes = True  # Blender 4.5
     nodes = material.node_tree.nodes
     nodes.clear()
-    node = add_node(material.node_tree, paint)
+    node = _new_node(material.node_tree)
     out = nodes.new("ShaderNodeOutputMaterial")
     out.location.x = 300
     material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
+    apply(node, paint)
     return material
 
 
 def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGroup:
     """A new node with the paint's values, not yet connected."""
+    node = _new_node(tree)
+    apply(node, paint)
+    return node
+
+
+def _new_node(tree: bpy.types.NodeTree) -> bpy.types.ShaderNodeGroup:
     group = node_group()
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.name = NAME
     node.width = 240
-    apply(node, paint)
     return node
 
 
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
     """Sets every socket of a paint that exists to the paint's values.
+
+    A material that is the paint and no more also takes its colour, for the Solid view.
 
     Raises PaintError, with nothing changed, where the node is of another version.
     """
@@ -126,6 +143,20 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
         value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
         socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+    for owner in bpy.data.materials:
+        if owner.node_tree == node.id_data and is_pure(owner):
+            owner.diffuse_color = (*_solid_color(paint), 1.0)
+
+
+def _solid_color(paint: Paint) -> np.ndarray:
+    """Linear RGB: the flakes over the substrate, without sparkle, gloss or interference."""
+    covered = np.array([each.flake_coverage for each in paint.species])
+    colors = np.array([_METALS.get(each.coating, each.flake_color) for each in paint.species])
+    share = 1 - np.exp(-covered.sum())
+    flakes = covered @ colors / max(covered.sum(), 1e-30)
+    # On the average, flakes lie in the middle: there and back is once through the layer.
+    once = np.exp(-np.array(paint.binder_absorption_per_mm) * paint.layer_thickness_um * 1e-3)
+    return once * (share * flakes + (1 - share) * once * np.array(paint.substrate_color))
 
 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
@@ -215,11 +246,23 @@ def missing(scene: bpy.types.Scene) -> str:
         return "The scene does not render with Cycles: the paint shows in Cycles only."
     if not scene.cycles.shading_system:
         return "Open Shading Language is off in this scene: the paint renders black."
-    cycles = bpy.context.preferences.addons.get("cycles")
-    has_gpu = cycles is not None and cycles.preferences.compute_device_type != "NONE"
-    if scene.cycles.device == "GPU" and has_gpu:
-        return "The scene renders on the GPU: the paint is tested on the CPU only."
+    device = gpu(scene)
+    if device == "OPTIX":
+        return "The scene renders on the GPU by OptiX: the paint is tested on the CPU only."
+    if device != "NONE":
+        return (
+            f"The scene renders on the GPU by {_GPUS.get(device, device)}, which has no Open "
+            "Shading Language: only the CPU and OptiX have."
+        )
     return ""
+
+
+def gpu(scene: bpy.types.Scene) -> str:
+    """What the scene renders by, in Blender's word for it: NONE on the CPU."""
+    cycles = bpy.context.preferences.addons.get("cycles")
+    if cycles is None or scene.cycles.device != "GPU":
+        return "NONE"
+    return cycles.preferences.compute_device_type
 
 
 def digest(source: str) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 from mathutils.interpolate import poly_3d_calc
 
-from . import denoise, lights, material, needs, verify
+from . import denoise, lights, material, needs, operators, verify
 from .paint import Paint, PaintError, core_paint
 from .panel import draw_lines
 
@@ -104,20 +104,12 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
     if scene.render.engine != "CYCLES":
         yield ERROR, missing
         return
-    device = _gpu() if scene.cycles.device == "GPU" else "NONE"
-    if device not in ("NONE", "OPTIX"):
-        yield ERROR, f"The GPU renders by {device}, which has no OSL: only the CPU and OptiX have."
-    elif missing:
-        yield ERROR if not scene.cycles.shading_system else WARNING, missing
+    if missing:
+        shows = scene.cycles.shading_system and material.gpu(scene) in ("NONE", "OPTIX")
+        yield WARNING if shows else ERROR, missing
     if scene.cycles.use_denoising and not denoise.is_set_up(scene):
         label = denoise.SCENE_OT_metallic_paint_denoise.bl_label
         yield WARNING, f"Denoising takes sparkles for noise: “{label}” keeps them."
-
-
-def _gpu() -> str:
-    """The kind of GPU that Blender's preferences name, NONE for none."""
-    cycles = bpy.context.preferences.addons.get("cycles")
-    return "NONE" if cycles is None else cycles.preferences.compute_device_type
 
 
 def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
@@ -430,7 +422,7 @@ and which settings would spoil them"""
         if not context.scene.is_editable:
             cls.poll_message_set("The scene is linked from another file and cannot be changed")
             return False
-        return True
+        return operators.has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         lines = report(context.scene)

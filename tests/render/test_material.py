@@ -496,3 +496,40 @@ def test_the_shader_of_an_installed_package_comes_first(
     assert shader.source() == "repository"
     (package / shader.FILE).write_text("package")
     assert shader.source() == "package"
+
+
+@pytest.mark.parametrize(
+    ("paint", "expected"),
+    [
+        (Paint(flakes_per_mm2=1e5, flake_color=(0.1, 0.2, 0.3)), (0.1, 0.2, 0.3)),
+        (Paint(flakes_per_mm2=1e5, coating="gold"), (1.0, 0.67, 0.26)),
+        (Paint(flakes_per_mm2=0, substrate_color=(0.3, 0.2, 0.1)), (0.3, 0.2, 0.1)),
+        (
+            Paint(
+                flakes_per_mm2=1e5,
+                flake_color=(0.5, 0.5, 0.5),
+                binder_absorption_per_mm=(0, 0, 100),
+                layer_thickness_um=10,
+            ),
+            (0.5, 0.5, 0.5 * np.exp(-1)),
+        ),
+    ],
+    ids=["colour", "metal", "substrate", "tinted"],
+)
+def test_the_solid_view_shows_the_paints_colour(
+    paint: Paint, expected: tuple[float, float, float]
+) -> None:
+    assert material.create(paint).diffuse_color[:3] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_material_that_is_more_than_the_paint_keeps_its_colour() -> None:
+    painted = material.create(Paint())
+    node, tree = material.paint_node(painted), painted.node_tree
+    tree.links.clear()
+    before = tuple(painted.diffuse_color)
+    material.apply(node, presets.load("candy-red"))
+    assert tuple(painted.diffuse_color) == before
+    tree.links.new(node.outputs["BSDF"], tree.nodes["Material Output"].inputs["Surface"])
+    material.apply(node, presets.load("candy-red"))
+    red, green, blue, _ = painted.diffuse_color
+    assert red > 3 * max(green, blue)

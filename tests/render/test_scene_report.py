@@ -136,8 +136,8 @@ def test_the_device_and_the_shading_language_are_named(monkeypatch: pytest.Monke
     assert "Open Shading Language is off" in said(scene, "ERROR")
     scene.cycles.shading_system = True
     scene.cycles.device = "GPU"
-    monkeypatch.setattr(scene_report, "_gpu", lambda: "HIP")
-    assert "HIP, which has no OSL" in said(scene, "ERROR")
+    monkeypatch.setattr(material, "gpu", lambda _: "HIP")
+    assert "HIP, which has no Open Shading Language" in said(scene, "ERROR")
     scene.render.engine = "BLENDER_WORKBENCH"
     assert "does not render with Cycles" in said(scene, "ERROR")
 
