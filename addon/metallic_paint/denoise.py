@@ -49,7 +49,7 @@ def why_not(scene: bpy.types.Scene) -> str:
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
     if sum(layer.use for layer in scene.view_layers) != 1:
         return "One view layer must render: compositing several is the artist's choice"
-    if names := [name for name in _painted(_layer(scene)) if not _in_cryptomatte(name)]:
+    if names := [name for name in _painted() if not _in_cryptomatte(name)]:
         listed = ", ".join(f"“{name}”" for name in names)
         return f"Rename {listed}: Cryptomatte takes no comma, nor a space or < at the start"
     return ""
@@ -67,7 +67,7 @@ def outdated(scene: bpy.types.Scene) -> str:
     if layer is None or not layer.use:
         new = ["the view layer that renders"]
     else:
-        new = sorted(set(_painted(layer)) - set(was["painted"]))
+        new = sorted(set(_painted()) - set(was["painted"]))
         groups = set(was["groups"]) & {group.name for group in layer.lightgroups}
         new += [
             lamp.name_full
@@ -114,7 +114,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
         "made_light_group": False,
-        "painted": _painted(layer),
+        "painted": _painted(),
     }
     try:
         changed = _change(scene, layer, slots, was)
@@ -309,11 +309,10 @@ def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> N
     _lay_out(tree)
 
 
-def _painted(layer: bpy.types.ViewLayer) -> list[str]:
-    """Names of the materials that hold a paint, of objects that render."""
-    things = lights.rendered(layer, ever=True)
-    materials = {slot.material for thing in things for slot in thing.material_slots} - {None}
-    return sorted({each.name for each in materials if lights.holds_slots(each.node_tree)})
+def _painted() -> list[str]:
+    """Names of the file's materials that hold a paint: instances too may show any of them."""
+    used = [each for each in bpy.data.materials if each.users]
+    return sorted({each.name for each in used if lights.holds_slots(each.node_tree)})
 
 
 def _in_cryptomatte(name: str) -> bool:

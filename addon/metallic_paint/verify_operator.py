@@ -259,7 +259,7 @@ def check(
         None,
     )
     if layer is None:
-        raise VerifyError(f"{thing.name} does not render.")
+        raise VerifyError(f"{thing.name} does not render{_as_instances(scene, thing)}.")
     notes = _freeze(painted, layer)
     lamps = lights.fill(scene).slots
     if not lamps:
@@ -329,6 +329,14 @@ def check(
     found = Found(region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
                   notes=tuple(notes))  # fmt: skip
     return dataclasses.asdict(found)
+
+
+def _as_instances(scene: bpy.types.Scene, thing: bpy.types.Object) -> str:
+    layers = [each for each in scene.view_layers if each.use]
+    for layer in layers:
+        layer.update()
+    shown = any(thing in set(lights.instanced(layer)) for layer in layers)
+    return " but as instances, of which nothing can be foretold" if shown else ""
 
 
 class _Probe(verify.Probe):

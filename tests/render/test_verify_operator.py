@@ -262,6 +262,23 @@ def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     assert job._process.returncode is not None
 
 
+def test_what_shows_as_instances_alone_is_said() -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    thing.hide_render = True
+    with pytest.raises(verify_operator.VerifyError, match=r"Monkey does not render\."):
+        verify_operator.run(scene, thing, SIZE)
+    thing.hide_render = False
+    collection = bpy.data.collections.new("Monkeys")
+    collection.objects.link(thing)
+    scene.collection.objects.unlink(thing)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(instance)
+    with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
+        verify_operator.run(scene, thing, SIZE)
+
+
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = build()
     plane = scene.objects["Plane"]
