@@ -77,10 +77,11 @@ def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 
     needs.fit calls it, and finds out whether there is other light; here the flakes are to show it.
-    Suns, point and spot lights that render take part. Of more than 8, those stay that send the
-    greatest irradiance to any painted object, not counting shadows, light linking, and nodes of
-    the light. The slots are ordered by name, so a light's sparkles do not change when another
-    light grows brighter. A file of several scenes has the lights of the scene filled last.
+    Suns, point and spot lights that render take part, also those that animation may show later. Of
+    more than 8, those stay that send the greatest irradiance to any painted object, not counting
+    shadows, light linking, and nodes of the light; those hidden now come last. The slots are
+    ordered by name, so a light's sparkles do not change when another light grows brighter. A file
+    of several scenes has the lights of the scene filled last.
     """
     group = _one_group()
     _clear(group)
@@ -95,9 +96,10 @@ def fill(scene: bpy.types.Scene) -> Report:
     lights = sorted(matrices, key=lambda light: light.name_full)
     if len(lights) > SLOTS:
         irradiance = _irradiances(matrices, _painted_boxes(layers))
-        brightest = sorted(lights, key=lambda light: -irradiance[light])
+        brightest = sorted(lights, key=lambda light: (light.hide_render, -irradiance[light]))
         for light in brightest[SLOTS:]:
-            left_out[light] = f"{SLOTS} brighter lights have the slots"
+            others = "other" if light.hide_render else "brighter"
+            left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
     for slot, light in enumerate(lights, 1):
         _feed(group, slot, light, matrices[light])
@@ -259,7 +261,7 @@ def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object
     return {
         light: light.evaluated_get(layer.depsgraph).matrix_world.copy()
         for layer in layers
-        for light in rendered(layer)
+        for light in rendered(layer, ever=True)
         if light.type == "LIGHT"
     }
 
@@ -267,15 +269,19 @@ def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object
 def _instances(
     layers: list[bpy.types.ViewLayer], lights: dict[bpy.types.Object, Matrix]
 ) -> dict[bpy.types.Object, str]:
-    """Lights that particles, geometry nodes or collection instances multiply."""
     return {
-        instance.object.original: "an instanced light has no place that a driver could follow"
+        thing: "an instanced light has no place that a driver could follow"
         for layer in layers
-        for instance in layer.depsgraph.object_instances
-        if instance.is_instance
-        and instance.object.type == "LIGHT"
-        and instance.object.original not in lights
+        for thing in instanced(layer)
+        if thing.type == "LIGHT" and thing not in lights
     }
+
+
+def instanced(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
+    """The objects that particles, geometry nodes or collection instances multiply, as often."""
+    for instance in layer.depsgraph.object_instances:
+        if instance.is_instance:
+            yield instance.object.original
 
 
 # --- the brightest -----------------------------------------------------------------------------
@@ -325,6 +331,18 @@ def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
 def is_painted(thing: bpy.types.Object) -> bool:
     materials = [slot.material for slot in thing.material_slots if slot.material]
     return any(holds_slots(each.node_tree) for each in materials)
+
+
+def uses_paint(scene: bpy.types.Scene) -> bool:
+    """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
+    collections = [scene.collection]
+    for collection in collections:
+        things = collection.all_objects
+        if any(map(is_painted, things)):
+            return True
+        shown = dict.fromkeys(thing.instance_collection for thing in things)
+        collections += [each for each in shown if each is not None and each not in collections]
+    return False
 
 
 def holds_slots(tree: bpy.types.NodeTree | None) -> bool:

@@ -83,6 +83,13 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
     return groups[0].get(_FITTED_TO) == _fingerprint(scene) and lights.are_fed()
 
 
+def let_go() -> None:
+    """The slots keep their values and point at no lamp any more, until the next fit."""
+    for group in lights.groups():
+        group.animation_data_clear()
+        group.pop(_FITTED_TO, None)
+
+
 def said() -> str:
     """What the last fit reported, in lines; empty before the first."""
     return next((group.get(_SAID, "") for group in lights.groups()), "")
@@ -101,9 +108,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [
-        (lamp.name_full, lamp.hide_render, lamp.data.name_full, lamp.data.type) for lamp in lamps
-    ]
+    seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),
@@ -139,7 +144,7 @@ def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
     data = lamp.data
     size = getattr(data, "shadow_soft_size", 0), getattr(data, "spot_size", 0)
     shadow = data.use_shadow, lamp.light_linking.blocker_collection
-    return data.energy, *data.color, data.exposure, *size, *shadow
+    return lamp.hide_render, data.energy, *data.color, data.exposure, *size, *shadow
 
 
 def _shape(thing: bpy.types.Object) -> tuple[object, ...]:

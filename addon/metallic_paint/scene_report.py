@@ -72,7 +72,21 @@ def report(scene: bpy.types.Scene) -> list[Line]:
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
     if not painted:
-        lines.append((WARNING, "No object that renders is painted."))
+        multiplied = (thing for layer in layers for thing in lights.instanced(layer))
+        if any(map(lights.is_painted, multiplied)):
+            lines.append((INFO, "Painted only as instances: nothing can be foretold."))
+        else:
+            lines.append((WARNING, "No object that renders is painted."))
+    if sum(map(lights.uses_paint, bpy.data.scenes)) > 1:
+        lines.append(
+            (
+                WARNING,
+                (
+                    "More than one scene uses paints, which have the lights of one at a time: "
+                    "without this add-on, the scene that was fitted or saved last."
+                ),
+            )
+        )
     brightest = 0.0
     for thing in painted:
         found, brightness = _about(scene, shown[thing], thing, fitted.lights.slots)
@@ -225,6 +239,7 @@ def _expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Ex
         if each.flakes_per_mm2 > 0:
             found = core.evaluate(core_paint(paint), slots, species=species, **given)
             counts += found["mean_count"]
+    counts *= [not lamp.hide_render for lamp in lamps]  # as it may be at this frame
     total = counts.sum(axis=1)
     if not counts.any():
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)

@@ -260,6 +260,39 @@ def test_a_light_that_does_not_render_has_no_slot(place: Place) -> None:
     assert fill() == lights.Report(named("Shown"), {}, ())
 
 
+def appears_at(frame: int, lamp: bpy.types.Object) -> None:
+    for at, hidden in ((1, True), (frame, False)):
+        lamp.hide_render = hidden
+        lamp.keyframe_insert("hide_render", frame=at)
+    bpy.context.scene.frame_set(1)
+
+
+def test_a_light_that_appears_later_sparkles_then(
+    place: Place, painted: object, tmp_path: Path
+) -> None:
+    camera_above(32)
+    place("SUN", "Always", rotation_euler=(0.1, 0.1, 0), energy=0)
+    appears_at(5, place("SUN", "Later", rotation_euler=(0.1, -0.1, 0), energy=3))
+    assert fill().slots == named("Always", "Later")
+    assert render(tmp_path / "hidden.exr").max() == 0
+    bpy.context.scene.frame_set(5)
+    shown = render(tmp_path / "shown.exr")
+    assert shown.std() > 0.01 * shown.mean()
+
+
+def test_lights_that_show_now_win_over_those_that_appear_later(
+    place: Place, painted: object
+) -> None:
+    later = place("SUN", "A later one", energy=100)
+    appears_at(5, later)
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    report = fill()
+    assert report.left_out == {later: "8 other lights have the slots"}
+    bpy.data.objects.remove(bpy.data.objects["Sun 3"])
+    assert later in fill().slots
+
+
 def test_a_light_hidden_in_the_viewport_only_has_a_slot(place: Place, painted: object) -> None:
     lamp = place("POINT", "Lamp", location=(1, 2, 3))
     lamp.hide_viewport = True

@@ -179,6 +179,41 @@ def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
     assert "No object that renders is painted" in bad(scene)
 
 
+def test_paint_on_instances_alone_is_said() -> None:
+    scene = build()
+    ball = scene.objects["Ball"]
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(ball)
+    scene.collection.objects.unlink(ball)
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(empty)
+    assert "Painted only as instances: nothing can be foretold." in said(scene, "INFO")
+    assert "No object that renders is painted" not in bad(scene)
+
+
+def test_several_scenes_with_paints_are_warned_of() -> None:
+    scene = build()
+    other = bpy.data.scenes.new("Other")
+    assert bad(scene) == ""
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(scene.objects["Ball"])
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    other.collection.objects.link(empty)
+    assert "More than one scene uses paints" in bad(scene)
+
+
+def test_a_lamp_hidden_at_this_frame_is_foretold_no_sparkles() -> None:
+    scene = build()
+    sun = scene.objects["Sun"]
+    sun.keyframe_insert("hide_render", frame=1)
+    assert bad(scene) == ""
+    sun.hide_render = True
+    sun.keyframe_insert("hide_render", frame=1)
+    assert "no sparkle is to be expected" in bad(scene)
+
+
 def test_without_the_native_module_flakes_are_counted_and_the_reason_is_said(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
