@@ -286,6 +286,8 @@ def check(
     shown, wanted = np.zeros(shape), np.zeros(shape)
     worst, where = 0.0, (int(region[0]), int(region[1]))
     for light, lamp in enumerate(lamps):
+        if lamp.hide_render:
+            continue  # it has its slot for another frame
         leaders = predicted[0]["leader"][:, light]
         for leader in np.unique(leaders[leaders >= 0]):
             mask = leaders == leader

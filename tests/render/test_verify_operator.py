@@ -157,6 +157,8 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
     own = scene.objects["Point"]
     linked = link_namesake(own, tmp_path / "lamps.blend")
     own.location.x = 0.2
+    hidden = add_lamp("POINT", "Hidden", location=(0.2, -0.3, 0.3), hide_render=True)
+    hidden.animation_data_create()  # may show it in another frame
     for lamp in (linked, own):
         assert verify_process.find("objects", lamp.name_full) == lamp
     lit = []
@@ -164,7 +166,7 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
 
     def watched(probe: object, diagnostic: int, *rest: int) -> np.ndarray:
         if diagnostic == verify.SPARKLES:
-            lit.append([lamp for lamp in (own, linked) if not lamp.hide_render])
+            lit.append([lamp for lamp in (own, linked, hidden) if not lamp.hide_render])
         return image(probe, diagnostic, *rest)
 
     monkeypatch.setattr(verify_operator._Probe, "image", watched)
