@@ -67,8 +67,8 @@ def outdated(scene: bpy.types.Scene) -> str:
     if layer is None or not layer.use:
         new = ["the view layer that renders"]
     else:
-        new = sorted(set(_painted()) - set(was["painted"]))
-        groups = set(was["groups"]) & {group.name for group in layer.lightgroups}
+        new = sorted(set(_painted()) - set(was.get("painted", ())))
+        groups = set(was.get("groups", ())) & {group.name for group in layer.lightgroups}
         new += [
             lamp.name_full
             for lamp in lights.in_slots()
