@@ -18,10 +18,15 @@ denoiser. The sum of both is the picture as it was:
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Literal
+
 import bpy
 
 from . import lights, needs
 from .panel import draw_lines
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
@@ -110,13 +115,13 @@ def remove(scene: bpy.types.Scene) -> list[str]:
         raise DenoiseError(f"{reason}.")
     was = dict(scene[_MARK])
     _take_down(scene, was)
-    layer = scene.view_layers.get(was["layer"])
+    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is not None:
         for name in _PASSES:
             setattr(layer, name, bool(was[name]))
         layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
         for name in was["lamps"]:
-            lamp = scene.objects.get(name)
+            lamp: bpy.types.Object | None = scene.objects.get(name)
             if lamp is not None and lamp.lightgroup == LIGHT_GROUP:
                 lamp.lightgroup = ""
         if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
@@ -128,13 +133,14 @@ def remove(scene: bpy.types.Scene) -> list[str]:
     return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
 
 
-def node_group() -> bpy.types.NodeTree:
+def node_group() -> bpy.types.CompositorNodeTree:
     """The file's group that denoises all but the sparkles, made when there is none.
 
     Inputs: the picture, its passes Glossy Direct and Glossy Color, the sum of the light groups that
     hold the lamps with a slot, the denoiser's guides, and the matte of the paint.
     """
-    for group in bpy.data.node_groups:
+    trees = [t for t in bpy.data.node_groups if isinstance(t, bpy.types.CompositorNodeTree)]
+    for group in trees:
         if group.get(_MARK) == "group" and group.library is None:
             return group
     group = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
@@ -279,7 +285,7 @@ def _take_down(scene: bpy.types.Scene, was: dict) -> None:
 
 def _mix(
     tree: bpy.types.NodeTree,
-    blend: str,
+    blend: Literal["ADD", "LIGHTEN", "MULTIPLY", "SUBTRACT"],
     a: bpy.types.NodeSocket,
     b: bpy.types.NodeSocket | None,
 ) -> bpy.types.NodeSocket:
@@ -327,7 +333,7 @@ goes through it"""
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in set_up(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -346,7 +352,7 @@ class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in remove(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
