@@ -77,7 +77,7 @@ ACCURACY = Environment(
     "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
 )
 TYPES = Environment(
-    "types", REQUIREMENTS / "types.txt", "the type checker and Blender's types", " (40 MB, once)"
+    "types", REQUIREMENTS / "types.txt", "the type checker and Blender's types", " (35 MB, once)"
 )
 FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
 WHEELS = Environment("wheels", REQUIREMENTS / "wheels.txt", "auditwheel")
