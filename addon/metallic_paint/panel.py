@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import textwrap
+from typing import TYPE_CHECKING
 
 import bpy
 
 from . import lights, material, migration, needs, operators
 
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import IconItems
+
 LINE = 60  # characters of a report in a line of the panel
 
 
-def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") -> None:
     """A report of several lines, wrapped, close together; the icon stands before the first."""
     column = layout.column(align=True)
     for paragraph in text.splitlines():
@@ -23,6 +27,7 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> Non
 
 class _PaintPanel:
     bl_label = "Metallic Paint"
+    layout: bpy.types.UILayout  # of the panels
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
