@@ -18,10 +18,15 @@ denoiser. The sum of both is the picture as it was:
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Literal
+
 import bpy
 
 from . import lights, needs
 from .panel import draw_lines
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
@@ -49,7 +54,7 @@ def why_not(scene: bpy.types.Scene) -> str:
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
     if sum(layer.use for layer in scene.view_layers) != 1:
         return "One view layer must render: compositing several is the artist's choice"
-    if names := [name for name in _painted(_layer(scene)) if not _in_cryptomatte(name)]:
+    if names := [name for name in _painted() if not _in_cryptomatte(name)]:
         listed = ", ".join(f"“{name}”" for name in names)
         return f"Rename {listed}: Cryptomatte takes no comma, nor a space or < at the start"
     return ""
@@ -63,12 +68,12 @@ def outdated(scene: bpy.types.Scene) -> str:
     if not is_set_up(scene):
         return ""
     was = scene[_MARK]
-    layer = scene.view_layers.get(was["layer"])
+    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is None or not layer.use:
         new = ["the view layer that renders"]
     else:
-        new = sorted(set(_painted(layer)) - set(was["painted"]))
-        groups = set(was["groups"]) & {group.name for group in layer.lightgroups}
+        new = sorted(set(_painted()) - set(was.get("painted", ())))
+        groups = set(was.get("groups", ())) & {group.name for group in layer.lightgroups}
         new += [
             lamp.name_full
             for lamp in lights.in_slots()
@@ -114,7 +119,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
         "made_light_group": False,
-        "painted": _painted(layer),
+        "painted": _painted(),
     }
     try:
         changed = _change(scene, layer, slots, was)
@@ -138,13 +143,14 @@ def remove(scene: bpy.types.Scene) -> list[str]:
     return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
 
 
-def node_group() -> bpy.types.NodeTree:
+def node_group() -> bpy.types.CompositorNodeTree:
     """The file's group that denoises all but the sparkles, made when there is none.
 
     Inputs: the picture, its passes Glossy Direct and Glossy Color, the sum of the light groups that
     hold the lamps with a slot, the denoiser's guides, and the matte of the paint.
     """
-    for group in bpy.data.node_groups:
+    trees = [t for t in bpy.data.node_groups if isinstance(t, bpy.types.CompositorNodeTree)]
+    for group in trees:
         if group.get(_MARK) == "group" and group.library is None:
             return group
     group = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
@@ -199,7 +205,7 @@ def _change(
 def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
-    layer = scene.view_layers.get(was["layer"])
+    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is not None:
         for name in _PASSES:
             setattr(layer, name, bool(was[name]))
@@ -309,11 +315,10 @@ def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> N
     _lay_out(tree)
 
 
-def _painted(layer: bpy.types.ViewLayer) -> list[str]:
-    """Names of the materials that hold a paint, of objects that render."""
-    things = lights.rendered(layer, ever=True)
-    materials = {slot.material for thing in things for slot in thing.material_slots} - {None}
-    return sorted({each.name for each in materials if lights.holds_slots(each.node_tree)})
+def _painted() -> list[str]:
+    """Names of the file's materials that hold a paint: instances too may show any of them."""
+    used = [each for each in bpy.data.materials if each.users]
+    return sorted({each.name for each in used if lights.holds_slots(each.node_tree)})
 
 
 def _in_cryptomatte(name: str) -> bool:
@@ -342,7 +347,7 @@ def _take_down(scene: bpy.types.Scene, was: dict) -> None:
 
 def _mix(
     tree: bpy.types.NodeTree,
-    blend: str,
+    blend: Literal["ADD", "LIGHTEN", "MULTIPLY", "SUBTRACT"],
     a: bpy.types.NodeSocket,
     b: bpy.types.NodeSocket | None,
 ) -> bpy.types.NodeSocket:
@@ -390,7 +395,7 @@ goes through it"""
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in set_up(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -409,7 +414,7 @@ class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in remove(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}

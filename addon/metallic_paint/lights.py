@@ -15,7 +15,7 @@ The radius of a point or spot light is that of its data: Cycles does not scale i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -64,7 +64,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
 
 def groups() -> list[bpy.types.ShaderNodeTree]:
     """The file's own groups of light slots: none without a paint, several after an append."""
-    trees = bpy.data.node_groups
+    trees = [tree for tree in bpy.data.node_groups if isinstance(tree, bpy.types.ShaderNodeTree)]
     return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
@@ -225,9 +225,11 @@ def _feed(
 
 
 def _drive(
-    socket: bpy.types.NodeSocket, expression: str, variables: dict[str, tuple[bpy.types.ID, str]]
+    socket: bpy.types.NodeSocket,
+    expression: str,
+    variables: Mapping[str, tuple[bpy.types.ID, str]],
 ) -> None:
-    driver = socket.driver_add("default_value").driver
+    driver = socket.driver_add("default_value").driver  # type: ignore[union-attr]  # not an array
     driver.type = "SCRIPTED"
     for name, (datablock, path) in variables.items():
         variable = driver.variables.new()
@@ -325,8 +327,8 @@ def _painted_boxes(layers: list[bpy.types.ViewLayer]) -> list[_Box]:
 
 
 def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
-    low, high = (Vector(map(end, zip(*thing.bound_box, strict=True))) for end in (min, max))
-    return _Box(matrix, low, high)
+    axes = [*zip(*thing.bound_box, strict=True)]
+    return _Box(matrix, Vector([min(axis) for axis in axes]), Vector([max(axis) for axis in axes]))
 
 
 def is_painted(thing: bpy.types.Object) -> bool:
@@ -370,7 +372,7 @@ def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
     if light.type == "SUN":
         return strength
     position = matrix.translation
-    if light.type == "SPOT" and not _spot_reaches(light, matrix, box):
+    if isinstance(light, bpy.types.SpotLight) and not _spot_reaches(light, matrix, box):
         return 0.0
     squared_distance = max(
         (box.nearest(position) - position).length_squared,

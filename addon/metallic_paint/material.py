@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from typing import Any, TypeGuard
 
 import bpy
 import numpy as np
@@ -142,7 +143,9 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
     for name, parameter in PARAMETERS.items():
         value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
-        socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+        socket.default_value = (
+            (*value, 1.0) if isinstance(value, tuple) and socket.type == "RGBA" else value
+        )
     for owner in bpy.data.materials:
         if owner.node_tree == node.id_data and is_pure(owner):
             owner.diffuse_color = (*_solid_color(paint), 1.0)
@@ -166,7 +169,7 @@ def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
     where the node is of another version.
     """
     node = _todays_node(target)
-    fields: dict[str, dict[str, object]] = {"": {}, "second": {}, "third": {}}
+    fields: dict[str, dict[str, Any]] = {"": {}, "second": {}, "third": {}}
     for name, parameter in PARAMETERS.items():
         species, _, field = name.rpartition(".")
         fields[species][field] = _field(parameter, node.inputs[parameter.label])
@@ -211,7 +214,7 @@ def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
     raise ValueError(f"The material {material.name!r} has no {NAME} node.")
 
 
-def is_paint(node: bpy.types.Node) -> bool:
+def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
     return node.type == "GROUP" and node.node_tree is not None and _MARK in node.node_tree
 
 
@@ -259,7 +262,7 @@ def missing(scene: bpy.types.Scene) -> str:
 
 def gpu(scene: bpy.types.Scene) -> str:
     """What the scene renders by, in Blender's word for it: NONE on the CPU."""
-    cycles = bpy.context.preferences.addons.get("cycles")
+    cycles: bpy.types.Addon | None = bpy.context.preferences.addons.get("cycles")
     if cycles is None or scene.cycles.device != "GPU":
         return "NONE"
     return cycles.preferences.compute_device_type
@@ -270,7 +273,9 @@ def digest(source: str) -> str:
     return hashlib.sha256(source.encode()).hexdigest()
 
 
-def is_current(group: bpy.types.ShaderNodeTree, source_digest: str) -> bool:
+def is_current(
+    group: bpy.types.NodeTree, source_digest: str
+) -> TypeGuard[bpy.types.ShaderNodeTree]:
     """Whether the paint's group has today's interface and the shader of that digest."""
     return (group.get(_MARK), group.get(_SOURCE_MARK)) == (VERSION, source_digest)
 
@@ -380,13 +385,13 @@ def _add_parameter(
     group: bpy.types.ShaderNodeTree, name: str, panel: bpy.types.NodeTreeInterfacePanel
 ) -> None:
     parameter = PARAMETERS[name]
-    default = shader_value(parameter, value_of(Paint(), name))
-    if parameter.is_color:
-        kind, default = "NodeSocketColor", (*default, 1.0)
-    elif isinstance(default, tuple):
-        kind = "NodeSocketVector"
-    else:
+    default: float | tuple[float, ...] = shader_value(parameter, value_of(Paint(), name))
+    if not isinstance(default, tuple):
         kind = "NodeSocketInt" if isinstance(default, int) else "NodeSocketFloat"
+    elif parameter.is_color:
+        kind, default = "NodeSocketColor", (*default, 1.0)
+    else:
+        kind = "NodeSocketVector"
     socket = group.interface.new_socket(
         parameter.label, in_out="INPUT", socket_type=kind, parent=panel,
         description=parameter.description,

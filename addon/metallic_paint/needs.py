@@ -345,9 +345,9 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
     n = len(mesh.loop_triangles)
     if n > _MOST_TRIANGLES:
         return None
-    indices = np.empty(3 * n, dtype=np.int32)
+    indices: np.ndarray = np.empty(3 * n, dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", indices)
-    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    places: np.ndarray = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", places)
     matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
     places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]

@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import StringProperty
 
 from . import lights, material, migration, needs, presets
 from .paint import Paint
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems, WmReportItems
 
 PAINTABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
@@ -30,7 +35,7 @@ def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -
     return False
 
 
-def report_of(operator: bpy.types.Operator, text: str, kind: str = "INFO") -> None:
+def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:
     for line in text.splitlines():
         operator.report({kind}, line)
 
@@ -79,7 +84,7 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         try:
             paint = load(self.preset)
         except presets.PresetError as error:
@@ -114,13 +119,15 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
         result = self.execute(context)
         bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
         return result
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         tree = context.space_data.edit_tree
         node = material.add_node(tree, Paint())
         node.location = context.space_data.cursor_location
@@ -146,7 +153,7 @@ This happens by itself while one works; a script calls it"""
             return False
         return has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         report_of(self, str(needs.fit(context.scene)))
         return {"FINISHED"}
 
@@ -167,7 +174,7 @@ class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         material.set_up_cycles(context.scene)
         return {"FINISHED"}
 
@@ -187,7 +194,7 @@ values, links and animation stay; their look may change"""
             return False
         return has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         report = migration.update()
         report_of(self, str(report), "WARNING" if report.lost or report.linked else "INFO")
         fit(self, context)

@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 import textwrap
+from typing import TYPE_CHECKING
 
 import bpy
 
 from . import lights, material, migration, needs, operators
 from .paint import PARAMETERS, Parameter
 
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import IconItems
+
 LINE = 60  # characters of a report in a line of the panel
 
 
-def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") -> None:
     """A report of several lines, wrapped, close together; the icon stands before the first."""
     column = layout.column(align=True)
     for paragraph in text.splitlines():
@@ -30,6 +34,7 @@ _LINKED = (
 
 class _PaintPanel:
     bl_label = "Metallic Paint"
+    layout: bpy.types.UILayout  # of the panels
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
@@ -91,7 +96,7 @@ class MATERIAL_PT_metallic_paint_choices(bpy.types.Panel):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         for name, parameter in _CHOICES.items():
-            socket = node.inputs.get(parameter.label)
+            socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
             if socket is not None:
                 row = self.layout.row()
                 row.enabled = node.id_data.is_editable and not socket.is_linked
@@ -110,7 +115,7 @@ def _choice(parameter: Parameter) -> object:
     """An enumeration that is stored nowhere: it reads and sets the socket."""
 
     def get(node: bpy.types.ShaderNodeGroup) -> int:
-        socket = node.inputs.get(parameter.label)
+        socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
         return min(max(socket.default_value, 0), len(parameter.choices) - 1) if socket else 0
 
     def set_(node: bpy.types.ShaderNodeGroup, number: int) -> None:

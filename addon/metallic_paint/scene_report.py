@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
 
 import bpy
 import numpy as np
@@ -20,7 +21,12 @@ from . import denoise, lights, material, needs, operators, verify
 from .paint import Paint, PaintError, core_paint
 from .panel import draw_lines
 
-INFO, WARNING, ERROR = "INFO", "WARNING", "ERROR"
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import IconItems, OperatorReturnItems
+
+INFO: Final = "INFO"
+WARNING: Final = "WARNING"
+ERROR: Final = "ERROR"
 Line = tuple[str, str]  # level and sentence
 
 _RAYS = 40  # along each side of an object's box in the picture
@@ -29,6 +35,7 @@ _BRIGHT = 0.9  # quantile of a pixel's sparkles that stands for "where it sparkl
 _MANY = 100.0  # sparkles a pixel whose sum deviates by a tenth or less
 _FEW = 1.0  # in the whole picture
 _SMALLEST, _LARGEST = 0.005, 100.0  # metres: sizes of what one paints
+_ICONS: dict[str, IconItems] = {INFO: "BLANK1", WARNING: "ERROR", ERROR: "CANCEL"}
 _KEY = "metallic_paint_report"  # custom property of the window manager: not in the file
 
 
@@ -222,7 +229,7 @@ def _expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Ex
     slots = verify.core_lights()
     if not slots:
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
-    given = {
+    given: dict[str, Any] = {
         "position": seen.position, "normal": seen.normal, "view": seen.view,
         "footprint": seen.footprint, "pixel": np.zeros((len(seen.footprint), 2), np.int32),
     }  # fmt: skip
@@ -284,8 +291,8 @@ def look(
     at, _, _ = camera.matrix_world.decompose()
     matrix = Matrix.Translation(at) @ camera.matrix_world.to_quaternion().to_matrix().to_4x4()
     frame = camera.data.view_frame(scene=scene)
-    low = Vector(map(min, zip(*frame, strict=True)))
-    high = Vector(map(max, zip(*frame, strict=True)))
+    low = Vector([min(axis) for axis in zip(*frame, strict=True)])
+    high = Vector([max(axis) for axis in zip(*frame, strict=True)])
     orthographic = camera.data.type == "ORTHO"
     box = _box_in_picture(thing, matrix.inverted(), low, high, orthographic)
     if box is None:
@@ -424,7 +431,7 @@ and which settings would spoil them"""
             return False
         return operators.has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         lines = report(context.scene)
         context.window_manager[_KEY] = json.dumps({context.scene.name_full: lines})
         bad = [sentence for level, sentence in lines if level != INFO]
@@ -447,8 +454,7 @@ class MATERIAL_PT_metallic_paint_report(bpy.types.Panel):
         self.layout.operator(SCENE_OT_metallic_paint_report.bl_idname)
         found = json.loads(context.window_manager.get(_KEY, "{}"))
         for level, sentence in found.get(context.scene.name_full, ()):
-            icon = {INFO: "BLANK1", WARNING: "ERROR", ERROR: "CANCEL"}[level]
-            draw_lines(self.layout, sentence, icon)
+            draw_lines(self.layout, sentence, _ICONS[level])
 
 
 register, unregister = bpy.utils.register_classes_factory(

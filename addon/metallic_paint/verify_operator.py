@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
@@ -26,6 +27,10 @@ from bpy.props import IntProperty
 from . import lights, material, scene_report, shader, verify
 from .paint import PaintError, core_paint
 from .panel import draw_lines
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+    from metallic_paint_core._native import Light, Paint, Pixels
 
 SIZE = 96  # pixels along each side of the region
 PICTURES = ("Cycles", "Core", "Difference × 100")
@@ -223,13 +228,16 @@ def _modules() -> dict[str, str]:
 
 def _as_found(values: dict) -> Found:
     """JSON has lists for tuples."""
-    return Found(**{k: tuple(v) if isinstance(v, list) else v for k, v in values.items()})
+    fields: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
+    }
+    return Found(**fields)
 
 
 def _image(name: str, array: np.ndarray) -> bpy.types.Image:
     """Linear light (h, w, 3), row 0 at the bottom."""
     h, w, _ = array.shape
-    image = bpy.data.images.get(name)
+    image: bpy.types.Image | None = bpy.data.images.get(name)
     if image is None or tuple(image.size) != (w, h) or not image.is_float:
         if image is not None:
             bpy.data.images.remove(image)
@@ -259,7 +267,7 @@ def check(
         None,
     )
     if layer is None:
-        raise VerifyError(f"{thing.name} does not render.")
+        raise VerifyError(f"{thing.name} does not render{_as_instances(scene, thing)}.")
     notes = _freeze(painted, layer)
     lamps = lights.fill(scene).slots
     if not lamps:
@@ -286,13 +294,18 @@ def check(
     shown, wanted = np.zeros(shape), np.zeros(shape)
     worst, where = 0.0, (int(region[0]), int(region[1]))
     for light, lamp in enumerate(lamps):
+        if lamp.hide_render:
+            continue  # it has its slot for another frame
         leaders = predicted[0]["leader"][:, light]
         for leader in np.unique(leaders[leaders >= 0]):
             mask = leaders == leader
             hit = np.zeros_like(geometry.hit)
             hit[geometry.hit] = mask
             part = dataclasses.replace(geometry, hit=hit)
-            own = [{key: values[mask] for key, values in each.items()} for each in predicted]
+            own: list[Pixels] = [
+                {key: values[mask] for key, values in each.items()}  # type: ignore[index, misc]
+                for each in predicted
+            ]
             counts = [probe.image(verify.COUNT, leader, i)[..., 0] for i in in_use]
             cone = probe.image(verify.CONE, leader)[..., 0]
             picture, irradiance = (
@@ -329,6 +342,14 @@ def check(
     found = Found(region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
                   notes=tuple(notes))  # fmt: skip
     return dataclasses.asdict(found)
+
+
+def _as_instances(scene: bpy.types.Scene, thing: bpy.types.Object) -> str:
+    layers = [each for each in scene.view_layers if each.use]
+    for layer in layers:
+        layer.update()
+    shown = any(thing in set(lights.instanced(layer)) for layer in layers)
+    return " but as instances, of which nothing can be foretold" if shown else ""
 
 
 class _Probe(verify.Probe):
@@ -381,8 +402,8 @@ def _region(
     thing: bpy.types.Object,
     painted: bpy.types.Material,
     size: int,
-    paint: object,
-    slots: list,
+    paint: Paint,
+    slots: list[Light],
 ) -> tuple[int, int, int, int]:
     """Where the object sparkles most; the frame's centre if rays cannot tell."""
     import metallic_paint_core as core
@@ -404,7 +425,9 @@ def _region(
         centre = seen.raster[int(mean.argmax())]
     extent = np.minimum(size, frame)
     low = np.clip((centre - extent / 2).astype(int), 0, frame - extent)
-    return (*map(int, low), *map(int, low + extent))
+    left, bottom = map(int, low)
+    right, top = map(int, low + extent)
+    return left, bottom, right, top
 
 
 def _hold_out(
@@ -481,7 +504,9 @@ pixel against the core. The pictures become images of this file"""
             cls.poll_message_set(reason)
         return not reason
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         if context.window is None:
             return self.execute(context)
         try:
@@ -494,7 +519,7 @@ pixel against the core. The pictures become images of this file"""
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[OperatorReturnItems]:
         if event.type == "ESC":
             self.cancel(context)
             self.report({"INFO"}, "The check was stopped")
@@ -523,7 +548,7 @@ pixel against the core. The pictures become images of this file"""
         _running.pop().close()
         _redraw(context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         try:
             found = run(context.scene, context.object, self.size)
         except _ENDS as error:

@@ -284,6 +284,20 @@ def test_what_came_since_is_told_until_one_presses_again(registered: None) -> No
     pressed()
 
 
+def test_sparkles_of_instances_pass_by_the_denoiser_too() -> None:
+    scene = build()
+    ball = scene.objects["Sphere"]
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(ball)
+    scene.collection.objects.unlink(ball)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(instance)
+    denoise.set_up(scene)
+    mattes = [n.matte_id for n in denoise._tree(scene).nodes if n.type == "CRYPTOMATTE_V2"]
+    assert mattes == [ball.active_material.name]
+
+
 @pytest.mark.parametrize("name", ["Silver, coarse", " Silver", "<1>"])
 def test_a_name_that_no_cryptomatte_has_is_refused(name: str) -> None:
     scene = build()

@@ -182,11 +182,13 @@ def test_an_instanced_light_lights_the_mean(ball: object) -> None:
 
 
 def test_a_hidden_light_counts_only_if_it_may_appear(ball: object) -> None:
-    lamp = add_sun("Flash")
+    lamp = add_lamp("AREA", "Flash")
     lamp.hide_render = True
     assert other() == ()
     lamp.keyframe_insert("hide_render", frame=1)
     assert other() == ("lights without a slot",)
+    lamp.data.type = "SUN"
+    assert other() == ()  # it has a slot, and sparkles when it appears
 
 
 # --- neighbours -------------------------------------------------------------------------------

@@ -157,6 +157,8 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
     own = scene.objects["Point"]
     linked = link_namesake(own, tmp_path / "lamps.blend")
     own.location.x = 0.2
+    hidden = add_lamp("POINT", "Hidden", location=(0.2, -0.3, 0.3), hide_render=True)
+    hidden.animation_data_create()  # may show it in another frame
     for lamp in (linked, own):
         assert verify_process.find("objects", lamp.name_full) == lamp
     lit = []
@@ -164,7 +166,7 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
 
     def watched(probe: object, diagnostic: int, *rest: int) -> np.ndarray:
         if diagnostic == verify.SPARKLES:
-            lit.append([lamp for lamp in (own, linked) if not lamp.hide_render])
+            lit.append([lamp for lamp in (own, linked, hidden) if not lamp.hide_render])
         return image(probe, diagnostic, *rest)
 
     monkeypatch.setattr(verify_operator._Probe, "image", watched)
@@ -260,6 +262,23 @@ def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     assert not verify_operator._running
     assert not job.folder.exists()
     assert job._process.returncode is not None
+
+
+def test_what_shows_as_instances_alone_is_said() -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    thing.hide_render = True
+    with pytest.raises(verify_operator.VerifyError, match=r"Monkey does not render\."):
+        verify_operator.run(scene, thing, SIZE)
+    thing.hide_render = False
+    collection = bpy.data.collections.new("Monkeys")
+    collection.objects.link(thing)
+    scene.collection.objects.unlink(thing)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(instance)
+    with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
+        verify_operator.run(scene, thing, SIZE)
 
 
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
