@@ -19,6 +19,7 @@ class Layout:
         self.texts: list[str] = []
         self.operators: list[tuple[str, dict[str, object]]] = []
         self.menus: list[str] = []
+        self.properties: list[str] = []
 
     def column(self, align: bool = False) -> Layout:
         return self
@@ -58,6 +59,10 @@ class Layout:
                 values[key] = value
 
         return Properties()
+
+    def prop(self, data: object, name: str) -> None:
+        assert name in data.bl_rna.properties, name
+        self.properties.append(name)
 
     def progress(self, factor: float = 0.0, text: str = "") -> None:
         assert 0 <= factor <= 1

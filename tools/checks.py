@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The checks of form: formatters, linters, and the licence line of every source file."""
+"""The checks of form: formatters, linters, types, and the licence line of every source file."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from environments import TOOLS
-from processes import ROOT
+from environments import TOOLS, TYPES
+from processes import BUILD, ROOT
 
 NOT_OURS = {"build", "out", "__pycache__"}
 SOURCE_SUFFIXES = {".cpp", ".h", ".osl", ".py", ".pyi", ".sh", ".cmake"}
@@ -29,6 +29,12 @@ def commands() -> dict[str, list[str | Path]]:
     if shellcheck := shutil.which("shellcheck"):
         checks["shellcheck"] = [shellcheck, *scripts]
     return checks
+
+
+def types() -> list[str | Path]:
+    """The add-on's, against those of Blender and of the native module."""
+    options = ["--config-file", ROOT / "pyproject.toml", "--cache-dir", BUILD / "mypy"]
+    return [TYPES.python, "-m", "mypy", *options, ROOT / "addon" / "metallic_paint"]
 
 
 def sources() -> Iterator[Path]:

@@ -76,6 +76,9 @@ TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and lin
 ACCURACY = Environment(
     "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
 )
+TYPES = Environment(
+    "types", REQUIREMENTS / "types.txt", "the type checker and Blender's types", " (35 MB, once)"
+)
 FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
 WHEELS = Environment("wheels", REQUIREMENTS / "wheels.txt", "auditwheel")
 

@@ -72,11 +72,17 @@ def check_groups() -> Iterator[Group]:
     environments.prepare_tool(environments.TOOLS)
     for name, command in checks.commands().items():
         yield Group(f"check {name}", lambda name=name, command=command: _check(name, command))
+    yield Group("check types", _check_types)
     yield Group("check licence lines", _check_licences)
 
 
 def _check(name: str, command: Sequence[str | Path]) -> Outcome:
     return _run_whole(command, LOGS / f"check-{name.replace(' ', '-')}.log")
+
+
+def _check_types() -> Outcome:
+    environments.prepare_tool(environments.TYPES)
+    return _check("types", checks.types())
 
 
 def _run_whole(command: Sequence[str | Path], log: Path) -> Outcome:

@@ -68,12 +68,12 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     probe = verify.Probe(scene, [item.active_material])
     geometry = probe.geometry()
     slots = verify.core_lights()
-    names = lights.fill(scene).slots
+    lamps = lights.fill(scene).slots
     label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)
     report += check_mixture(label, spec, probe, geometry)
 
-    for light, lamp in enumerate(names):
+    for light, lamp in enumerate(lamps):
         comparison, sums, shown = None, Sums.zero(), None
         for seed in range(spec.seeds):
             paint = core_paint(dataclasses.replace(spec.paint, seed=spec.paint.seed + seed))
@@ -97,7 +97,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
                 paint, geometry, predicted, light, leader, counts, cone, *lit
             )
             shown = lit, first
-        where = label if len(names) == 1 else f"{label}, {lamp}"
+        where = label if len(lamps) == 1 else f"{label}, {lamp.name}"
         if comparison is None:
             dark = probe.lit_by([lamp], verify.SPARKLES)
             report.append(bars.at_most(f"{where}: brightest pixel of a light that is down",
@@ -106,15 +106,15 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
         report += judge(where, comparison, sums)
         (picture, irradiance), predicted = shown
         faces = predicted["leader"][:, light] >= 0
-        report += check_irradiance(where, spec, scene.objects[lamp], geometry, irradiance, faces)
+        report += check_irradiance(where, spec, lamp, geometry, irradiance, faces)
         wanted = np.zeros_like(picture)
         wanted[geometry.hit] = predicted["radiance"][:, light] * irradiance[geometry.hit]
         leader = int(predicted["leader"][:, light].max())
         report += check_by_chance(where, probe, lamp, leader, comparison, irradiance)
-        title = f"{spec.name}{'' if len(names) == 1 else f', {lamp}'}"
+        title = f"{spec.name}{'' if len(lamps) == 1 else f', {lamp.name}'}"
         write_comparison(out / f"{slug(title)}.png", picture, wanted)
-    if len(names) > 1:
-        report.append(check_joint(label, probe, names))
+    if len(lamps) > 1:
+        report.append(check_joint(label, probe, lamps))
     return report
 
 
@@ -146,7 +146,7 @@ def check_irradiance(
     return report
 
 
-def check_joint(label: str, probe: verify.Probe, lamps: tuple[str, ...]) -> bars.Bar:
+def check_joint(label: str, probe: verify.Probe, lamps: tuple[bpy.types.Object, ...]) -> bars.Bar:
     """All lamps at once against the sum of the pictures of each: Cycles picks a lamp per sample."""
     probe.scene.cycles.samples = JOINT_SAMPLES
     total = sum(probe.lit_by([lamp], verify.SPARKLES) for lamp in lamps)
@@ -268,7 +268,7 @@ def check_mixture(
 def check_by_chance(
     where: str,
     probe: verify.Probe,
-    lamp: str,
+    lamp: bpy.types.Object,
     leader: int,
     comparison: verify.Comparison,
     irradiance: np.ndarray,

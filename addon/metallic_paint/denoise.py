@@ -18,15 +18,20 @@ denoiser. The sum of both is the picture as it was:
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Literal
+
 import bpy
 
 from . import lights, needs
 from .panel import draw_lines
 
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
 
-_MARK = "metallic_paint_denoise"  # of our node trees; of the scene: what was before
+_MARK = "metallic_paint_denoise"  # of our nodes, trees and lamps; of the scene: what was before
 _PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
 _BLENDER_5 = bpy.app.version >= (5, 0)
 _GLOSSY = ("Glossy Direct", "Glossy Color") if _BLENDER_5 else ("GlossDir", "GlossCol")
@@ -43,11 +48,39 @@ def why_not(scene: bpy.types.Scene) -> str:
     """What keeps set_up from it, in a sentence; empty where nothing does."""
     if not scene.is_editable:
         return "The scene is linked from another file and cannot be changed"
+    if scene.render.engine != "CYCLES":
+        return "The scene does not render with Cycles"
     if names := _foreign_nodes(_tree(scene)):
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
     if sum(layer.use for layer in scene.view_layers) != 1:
         return "One view layer must render: compositing several is the artist's choice"
+    if names := [name for name in _painted() if not _in_cryptomatte(name)]:
+        listed = ", ".join(f"“{name}”" for name in names)
+        return f"Rename {listed}: Cryptomatte takes no comma, nor a space or < at the start"
     return ""
+
+
+def outdated(scene: bpy.types.Scene) -> str:
+    """What keeps the set-up from its purpose since, in a sentence; empty where nothing does.
+
+    Quick enough for a panel: the lamps with a slot are those of the last fit.
+    """
+    if not is_set_up(scene):
+        return ""
+    was = scene[_MARK]
+    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
+    if layer is None or not layer.use:
+        new = ["the view layer that renders"]
+    else:
+        new = sorted(set(_painted()) - set(was.get("painted", ())))
+        groups = set(was.get("groups", ())) & {group.name for group in layer.lightgroups}
+        new += [
+            lamp.name_full
+            for lamp in lights.in_slots()
+            if (lamp.is_editable or lamp.lightgroup) and lamp.lightgroup not in groups
+        ]
+    again = SCENE_OT_metallic_paint_denoise.bl_label
+    return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
 
 
 def _why_not_remove(scene: bpy.types.Scene) -> str:
@@ -70,34 +103,30 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
 
     Call it again when lights or painted materials came: it renews what it made. remove() is its
     inverse. Lamps keep their light groups; those without one come into the group "Sparkles". Raises
-    DenoiseError, with nothing changed, where the scene has compositing of its own.
+    DenoiseError, with nothing changed, where why_not has a reason. After any other error nothing is
+    set up.
     """
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
     slots = needs.fit(scene).lights.slots
     if is_set_up(scene):
         remove(scene)
-    layer = next(layer for layer in scene.view_layers if layer.use)
+    layer = _layer(scene)
     was = {
         "layer": layer.name,
         "use_denoising": scene.cycles.use_denoising,
         "use_compositing": scene.render.use_compositing,
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
+        "made_light_group": False,
+        "painted": _painted(),
     }
-    changed = [*_set_light_groups(scene, layer, slots, was)]
-    for name in _PASSES:
-        setattr(layer, name, True)
-    layer.cycles.denoising_store_passes = True
-    changed.append(f"The view layer “{layer.name}” renders the passes that denoising needs.")
-    if scene.cycles.use_denoising:
-        scene.cycles.use_denoising = False
-        changed.append("Cycles' own denoising is off: compositing denoises instead.")
-    scene.render.use_compositing = True
-    groups = sorted({scene.objects[name].lightgroup for name in slots} - {""})
-    _compose(scene, layer, groups, was)
+    try:
+        changed = _change(scene, layer, slots, was)
+    except BaseException:
+        _change_back(scene, was)
+        raise
     scene[_MARK] = was
-    changed.append("Compositing denoises all but the sparkles.")
     return changed
 
 
@@ -108,33 +137,20 @@ def remove(scene: bpy.types.Scene) -> list[str]:
     """
     if reason := _why_not_remove(scene):
         raise DenoiseError(f"{reason}.")
-    was = dict(scene[_MARK])
-    _take_down(scene, was)
-    layer = scene.view_layers.get(was["layer"])
-    if layer is not None:
-        for name in _PASSES:
-            setattr(layer, name, bool(was[name]))
-        layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
-        for name in was["lamps"]:
-            lamp = scene.objects.get(name)
-            if lamp is not None and lamp.lightgroup == LIGHT_GROUP:
-                lamp.lightgroup = ""
-        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
-            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
-    scene.cycles.use_denoising = bool(was["use_denoising"])
-    scene.render.use_compositing = bool(was["use_compositing"])
+    _change_back(scene, dict(scene[_MARK]))
     del scene[_MARK]
     state = "on" if scene.cycles.use_denoising else "off"
     return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
 
 
-def node_group() -> bpy.types.NodeTree:
+def node_group() -> bpy.types.CompositorNodeTree:
     """The file's group that denoises all but the sparkles, made when there is none.
 
     Inputs: the picture, its passes Glossy Direct and Glossy Color, the sum of the light groups that
     hold the lamps with a slot, the denoiser's guides, and the matte of the paint.
     """
-    for group in bpy.data.node_groups:
+    trees = [t for t in bpy.data.node_groups if isinstance(t, bpy.types.CompositorNodeTree)]
+    for group in trees:
         if group.get(_MARK) == "group" and group.library is None:
             return group
     group = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
@@ -162,31 +178,75 @@ def node_group() -> bpy.types.NodeTree:
     return group
 
 
+# --- there and back ----------------------------------------------------------------------------
+
+
+def _change(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    slots: tuple[bpy.types.Object, ...],
+    was: dict,
+) -> list[str]:
+    changed = _set_light_groups(scene, layer, slots, was)
+    for name in _PASSES:
+        setattr(layer, name, True)
+    layer.cycles.denoising_store_passes = True
+    changed.append(f"The view layer “{layer.name}” renders the passes that denoising needs.")
+    if scene.cycles.use_denoising:
+        scene.cycles.use_denoising = False
+        changed.append("Cycles' own denoising is off: compositing denoises instead.")
+    scene.render.use_compositing = True
+    was["groups"] = sorted({lamp.lightgroup for lamp in slots} - {""})
+    _compose(scene, layer, was)
+    changed.append("Compositing denoises all but the sparkles.")
+    return changed
+
+
+def _change_back(scene: bpy.types.Scene, was: dict) -> None:
+    """Also of a change that broke off."""
+    _take_down(scene, was)
+    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
+    if layer is not None:
+        for name in _PASSES:
+            setattr(layer, name, bool(was[name]))
+        layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
+        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
+            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+    for lamp in [thing for thing in scene.objects if _MARK in thing]:
+        if lamp.lightgroup == LIGHT_GROUP:
+            lamp.lightgroup = ""
+        del lamp[_MARK]
+    scene.cycles.use_denoising = bool(was["use_denoising"])
+    scene.render.use_compositing = bool(was["use_compositing"])
+
+
 # --- passes and light groups -------------------------------------------------------------------
 
 
 def _set_light_groups(
-    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, slots: tuple[str, ...], was: dict
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    slots: tuple[bpy.types.Object, ...],
+    was: dict,
 ) -> list[str]:
     """Every lamp with a slot comes into a light group of the layer."""
-    was["made_light_group"] = False
-    named = [scene.objects[name] for name in slots]
-    lamps = [lamp for lamp in named if lamp.is_editable]
-    was["lamps"] = [lamp.name for lamp in lamps if not lamp.lightgroup]
-    changed = []
+    without = [lamp for lamp in slots if lamp.is_editable and not lamp.lightgroup]
+    for lamp in without:
+        lamp.lightgroup, lamp[_MARK] = LIGHT_GROUP, True
+    lamps = [lamp for lamp in slots if lamp.lightgroup]
     for lamp in lamps:
-        if not lamp.lightgroup:
-            lamp.lightgroup = LIGHT_GROUP
         if lamp.lightgroup not in layer.lightgroups:
             layer.lightgroups.add(name=lamp.lightgroup)
             was["made_light_group"] |= lamp.lightgroup == LIGHT_GROUP
-    if was["lamps"]:
-        changed.append(f"In the light group “{LIGHT_GROUP}”: {', '.join(was['lamps'])}.")
-    if len(lamps) < len(named):
-        linked = ", ".join(lamp.name for lamp in named if lamp not in lamps)
+    changed = []
+    if without:
+        names = ", ".join(lamp.name for lamp in without)
+        changed.append(f"In the light group “{LIGHT_GROUP}”: {names}.")
+    if len(lamps) < len(slots):
+        linked = ", ".join(lamp.name_full for lamp in slots if lamp not in lamps)
         changed.append(f"Sparkles of {linked} are denoised: linked from another file.")
     groups = {lamp.lightgroup for lamp in lamps}
-    others = [thing.name for thing in scene.objects
+    others = [thing.name_full for thing in scene.objects
               if thing.lightgroup in groups and thing not in lamps]  # fmt: skip
     if scene.world is not None and scene.world.lightgroup in groups:
         others.append(f"the world {scene.world.name}")
@@ -202,28 +262,32 @@ def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
     return scene.compositing_node_group if _BLENDER_5 else scene.node_tree
 
 
+def _layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
+    """The one that renders."""
+    return next(layer for layer in scene.view_layers if layer.use)
+
+
 def _foreign_nodes(tree: bpy.types.NodeTree | None) -> list[str]:
     """Nodes that do something and are not ours, even if the tree is switched off."""
     nodes = tree.nodes if tree is not None else ()
     return [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
 
 
-def _compose(
-    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, groups: list[str], was: dict
-) -> None:
+def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> None:
     """The scene's tree: the layer's passes through our group to the output."""
     if _BLENDER_5:
         if scene.compositing_node_group is not None:
             was["tree"] = scene.compositing_node_group
         tree = bpy.data.node_groups.new(NAME, "CompositorNodeTree")
-        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        tree[_MARK] = "scene"
         scene.compositing_node_group = tree
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     else:
         was["use_nodes"] = scene.use_nodes
         scene.use_nodes = True
         tree = scene.node_tree
+        tree[_MARK] = "scene"
         tree.nodes.clear()
-    tree[_MARK] = "scene"
     passes = tree.nodes.new("CompositorNodeRLayers")
     passes.scene, passes.layer = scene, layer.name
     node = tree.nodes.new("CompositorNodeGroup")
@@ -232,7 +296,7 @@ def _compose(
     out = tree.nodes.new("NodeGroupOutput" if _BLENDER_5 else "CompositorNodeComposite")
     links = tree.links
     lamps = None
-    for name in groups:
+    for name in was["groups"]:
         light = passes.outputs[f"Combined_{name}"]
         lamps = light if lamps is None else _mix(tree, "ADD", lamps, light)
     names = ("Image", *_GLOSSY, *_GUIDES)
@@ -241,7 +305,7 @@ def _compose(
         links.new(passes.outputs[name], node.inputs[label])
     matte = tree.nodes.new("CompositorNodeCryptomatteV2")
     matte.scene, matte.layer_name = scene, f"{layer.name}.CryptoMaterial"
-    matte.matte_id = ",".join(_painted(layer))
+    matte.matte_id = ",".join(was["painted"])
     links.new(matte.outputs["Matte"], node.inputs["Paint"])
     if lamps is None:
         node.inputs["Light Groups"].default_value = (0, 0, 0, 0)
@@ -251,18 +315,22 @@ def _compose(
     _lay_out(tree)
 
 
-def _painted(layer: bpy.types.ViewLayer) -> list[str]:
-    """Names of the materials that hold a paint, of objects that render."""
-    slots = [slot for thing in lights.rendered(layer, ever=True) for slot in thing.material_slots]
-    painted = {
-        s.material.name for s in slots if s.material and lights.holds_slots(s.material.node_tree)
-    }
-    return sorted(painted)
+def _painted() -> list[str]:
+    """Names of the file's materials that hold a paint: instances too may show any of them."""
+    used = [each for each in bpy.data.materials if each.users]
+    return sorted({each.name for each in used if lights.holds_slots(each.node_tree)})
+
+
+def _in_cryptomatte(name: str) -> bool:
+    """Whether the node's list of mattes can have the name."""
+    return "," not in name and not name.startswith((" ", "<"))
 
 
 def _take_down(scene: bpy.types.Scene, was: dict) -> None:
     tree = _tree(scene)
-    if _BLENDER_5:
+    if tree is None or _MARK not in tree:
+        pass  # broke off before it was made
+    elif _BLENDER_5:
         scene.compositing_node_group = was.get("tree")
         bpy.data.node_groups.remove(tree)
     else:
@@ -279,7 +347,7 @@ def _take_down(scene: bpy.types.Scene, was: dict) -> None:
 
 def _mix(
     tree: bpy.types.NodeTree,
-    blend: str,
+    blend: Literal["ADD", "LIGHTEN", "MULTIPLY", "SUBTRACT"],
     a: bpy.types.NodeSocket,
     b: bpy.types.NodeSocket | None,
 ) -> bpy.types.NodeSocket:
@@ -327,7 +395,7 @@ goes through it"""
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in set_up(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -346,7 +414,7 @@ class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in remove(context.scene):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -365,7 +433,7 @@ class MATERIAL_PT_metallic_paint_denoise(bpy.types.Panel):
         column.operator(SCENE_OT_metallic_paint_denoise.bl_idname)
         if is_set_up(context.scene):
             column.operator(SCENE_OT_metallic_paint_denoise_remove.bl_idname)
-        elif reason := why_not(context.scene):
+        if reason := why_not(context.scene) or outdated(context.scene):
             draw_lines(column, f"{reason}.", "INFO")
 
 

@@ -2,8 +2,11 @@
 """Lights that follow by themselves: the paints are fitted to the scene again when it changed.
 
 Handlers only start a timer, which fits once the scene has been at rest for a moment. Without a
-window there are no timers, and the handler fits at once. While Cycles renders, nothing happens:
-drivers do what an animation needs.
+window there are no timers, and the handler fits at once. A render of a scene that is not fitted
+fits it first; while Cycles renders, nothing happens: drivers do what an animation needs.
+
+Undo frees lamps. What points at them in a group that both of its steps share would outlive them, so
+the slots let go before. (A step of undo for each fit would end redo.)
 """
 
 from __future__ import annotations
@@ -20,17 +23,26 @@ _state = {"rendering": False, "fitting": False}
 
 def follow() -> float | None:
     """Fits the paints to the scene if it changed since; returns after how many seconds to retry."""
-    if _state["rendering"]:
+    if _is_rendering():
         return REST_SECONDS
-    if _state["fitting"]:
-        return None
+    _fit(bpy.context.scene)
+    return None
+
+
+def _fit(scene: bpy.types.Scene) -> None:
+    if _state["fitting"] or not hasattr(scene, "cycles"):  # the add-on of Cycles may be off
+        return
     _state["fitting"] = True  # fit updates the scene, which calls the handlers
     try:
-        if not needs.is_fitted(bpy.context.scene):
-            needs.fit(bpy.context.scene)
+        if not needs.is_fitted(scene):
+            needs.fit(scene)
     finally:
         _state["fitting"] = False
-    return None
+
+
+def _is_rendering() -> bool:
+    """Handlers tell it only where renders are no jobs: one that fails may tell of no end."""
+    return _state["rendering"] if bpy.app.background else bpy.app.is_job_running("RENDER")
 
 
 @persistent
@@ -45,20 +57,36 @@ def _changed(*_: object) -> None:
 
 
 @persistent
+def _loaded(*_: object) -> None:
+    _state["rendering"] = False
+    _changed()
+
+
+@persistent
+def _before_undo(*_: object) -> None:
+    needs.let_go()
+
+
+@persistent
 def _before_saving(*_: object) -> None:
     """The timer may not have come yet, nor Blender's own update."""
+    _state["rendering"] = False
     bpy.context.view_layer.update()
     follow()
 
 
 @persistent
-def _render_begins(*_: object) -> None:
+def _render_begins(scene: bpy.types.Scene, *_: object) -> None:
+    if lights.uses_paint(scene):
+        _fit(scene)
     _state["rendering"] = True
 
 
 @persistent
 def _render_ended(*_: object) -> None:
+    """The scene that rendered need not be the one that is worked on."""
     _state["rendering"] = False
+    _changed()
 
 
 def _stop_timer() -> None:
@@ -68,7 +96,9 @@ def _stop_timer() -> None:
 
 _HANDLERS = {
     "depsgraph_update_post": _changed,
-    "load_post": _changed,
+    "load_post": _loaded,
+    "undo_pre": _before_undo,
+    "redo_pre": _before_undo,
     "undo_post": _changed,
     "redo_post": _changed,
     "save_pre": _before_saving,

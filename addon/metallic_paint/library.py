@@ -7,10 +7,14 @@ The list of libraries belongs to the user's preferences: only the buttons change
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 
-FOLDER = Path(__file__).parent / "assets"
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+FOLDER = Path(__file__).resolve().parent / "assets"
 NAME = "Metallic Paint"
 
 
@@ -37,9 +41,11 @@ class PREFERENCES_OT_metallic_paint_add_library(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         libraries = context.preferences.filepaths.asset_libraries
-        libraries.new(name=NAME, directory=str(FOLDER))
+        library = libraries.new(name=NAME, directory=str(FOLDER))
+        if library.import_method == "PACK":  # Blender 5: linked, so neither edited nor lit here
+            library.import_method = "APPEND"
         context.preferences.is_dirty = True
         return {"FINISHED"}
 
@@ -58,7 +64,7 @@ class PREFERENCES_OT_metallic_paint_remove_library(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         context.preferences.filepaths.asset_libraries.remove(_known())
         context.preferences.is_dirty = True
         return {"FINISHED"}
@@ -68,7 +74,7 @@ class MetallicPaintPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     def draw(self, _context: bpy.types.Context) -> None:
-        button = PREFERENCES_OT_metallic_paint_add_library
+        button: type[bpy.types.Operator] = PREFERENCES_OT_metallic_paint_add_library
         if _known():
             button = PREFERENCES_OT_metallic_paint_remove_library
         self.layout.operator(button.bl_idname, icon="ASSET_MANAGER")

@@ -15,7 +15,7 @@ The radius of a point or spot light is that of its data: Cycles does not scale i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -37,15 +37,17 @@ _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is mer
 
 @dataclass(frozen=True)
 class Report:
-    """What became of the scene's lights."""
+    """What became of the scene's lights: objects, for a linked one may share a local one's name."""
 
-    slots: tuple[str, ...]  # names of the light objects, slot 1 first
-    left_out: dict[str, str]  # name of a light object: why it makes no sparkles
+    slots: tuple[bpy.types.Object, ...]  # slot 1 first
+    left_out: dict[bpy.types.Object, str]  # why they make no sparkles
     read_only: tuple[str, ...]  # linked files whose paints keep the lights they came with
 
     def __str__(self) -> str:
-        lines = [f"light {i}: {name}" for i, name in enumerate(self.slots, 1)]
-        lines += [f"no sparkles from {name}: {why}" for name, why in self.left_out.items()]
+        lines = [f"light {i}: {light.name_full}" for i, light in enumerate(self.slots, 1)]
+        lines += [
+            f"no sparkles from {light.name_full}: {why}" for light, why in self.left_out.items()
+        ]
         lines += [f"paints linked from {path} do not see these lights" for path in self.read_only]
         return "\n".join(lines)
 
@@ -62,7 +64,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
 
 def groups() -> list[bpy.types.ShaderNodeTree]:
     """The file's own groups of light slots: none without a paint, several after an append."""
-    trees = bpy.data.node_groups
+    trees = [tree for tree in bpy.data.node_groups if isinstance(tree, bpy.types.ShaderNodeTree)]
     return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
@@ -75,10 +77,11 @@ def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 
     needs.fit calls it, and finds out whether there is other light; here the flakes are to show it.
-    Suns, point and spot lights that render take part. Of more than 8, those stay that send the
-    greatest irradiance to any painted object, not counting shadows, light linking, and nodes of
-    the light. The slots are ordered by name, so a light's sparkles do not change when another
-    light grows brighter. A file of several scenes has the lights of the scene filled last.
+    Suns, point and spot lights that render take part, also those that animation may show later. Of
+    more than 8, those stay that send the greatest irradiance to any painted object, not counting
+    shadows, light linking, and nodes of the light; those hidden now come last. The slots are
+    ordered by name, so a light's sparkles do not change when another light grows brighter. A file
+    of several scenes has the lights of the scene filled last.
     """
     group = _one_group()
     _clear(group)
@@ -89,20 +92,21 @@ def fill(scene: bpy.types.Scene) -> Report:
     left_out = _instances(layers, matrices)
     for light in [light for light in matrices if light.data.type not in _KINDS]:
         del matrices[light]
-        left_out[light.name] = "an area light makes no sparkles"
-    lights = sorted(matrices, key=lambda light: light.name)
+        left_out[light] = "an area light makes no sparkles"
+    lights = sorted(matrices, key=lambda light: light.name_full)
     if len(lights) > SLOTS:
         irradiance = _irradiances(matrices, _painted_boxes(layers))
-        brightest = sorted(lights, key=lambda light: -irradiance[light])
+        brightest = sorted(lights, key=lambda light: (light.hide_render, -irradiance[light]))
         for light in brightest[SLOTS:]:
-            left_out[light.name] = f"{SLOTS} brighter lights have the slots"
+            others = "other" if light.hide_render else "brighter"
+            left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
     for slot, light in enumerate(lights, 1):
         _feed(group, slot, light, matrices[light])
     group.nodes[METERS_PER_UNIT].outputs[0].default_value = scene.unit_settings.scale_length
     for layer in layers:
         layer.update()
-    return Report(tuple(light.name for light in lights), left_out, _linked_files())
+    return Report(tuple(lights), left_out, linked_files())
 
 
 def show_other_light(needed: bool) -> None:
@@ -112,9 +116,20 @@ def show_other_light(needed: bool) -> None:
 
 def are_fed() -> bool:
     """Whether the light of every slot in use still exists."""
-    animation = node_group().animation_data
-    drivers = [curve.driver for curve in animation.drivers] if animation else []
-    return all(variable.targets[0].id for driver in drivers for variable in driver.variables)
+    return all(_sources())
+
+
+def in_slots() -> list[bpy.types.Object]:
+    """The lights that feed the slots now."""
+    lamps = [each for each in _sources() if isinstance(each, bpy.types.Object)]
+    return list(dict.fromkeys(lamps))
+
+
+def _sources() -> list[bpy.types.ID | None]:
+    """What the drivers of the slots look at; None for what is gone."""
+    found = [group.animation_data for group in groups()[:1]]
+    drivers = [curve.driver for animation in found if animation for curve in animation.drivers]
+    return [variable.targets[0].id for driver in drivers for variable in driver.variables]
 
 
 def values() -> list[tuple[float, Vector, float]]:
@@ -180,7 +195,8 @@ def _one_group() -> bpy.types.ShaderNodeTree:
     return group
 
 
-def _linked_files() -> tuple[str, ...]:
+def linked_files() -> tuple[str, ...]:
+    """The files that paints are linked from, which keep the lights that they have there."""
     trees = bpy.data.node_groups
     return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
 
@@ -209,9 +225,11 @@ def _feed(
 
 
 def _drive(
-    socket: bpy.types.NodeSocket, expression: str, variables: dict[str, tuple[bpy.types.ID, str]]
+    socket: bpy.types.NodeSocket,
+    expression: str,
+    variables: Mapping[str, tuple[bpy.types.ID, str]],
 ) -> None:
-    driver = socket.driver_add("default_value").driver
+    driver = socket.driver_add("default_value").driver  # type: ignore[union-attr]  # not an array
     driver.type = "SCRIPTED"
     for name, (datablock, path) in variables.items():
         variable = driver.variables.new()
@@ -246,23 +264,27 @@ def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object
     return {
         light: light.evaluated_get(layer.depsgraph).matrix_world.copy()
         for layer in layers
-        for light in rendered(layer)
+        for light in rendered(layer, ever=True)
         if light.type == "LIGHT"
     }
 
 
 def _instances(
     layers: list[bpy.types.ViewLayer], lights: dict[bpy.types.Object, Matrix]
-) -> dict[str, str]:
-    """Lights that particles, geometry nodes or collection instances multiply."""
+) -> dict[bpy.types.Object, str]:
     return {
-        instance.object.name: "an instanced light has no place that a driver could follow"
+        thing: "an instanced light has no place that a driver could follow"
         for layer in layers
-        for instance in layer.depsgraph.object_instances
-        if instance.is_instance
-        and instance.object.type == "LIGHT"
-        and instance.object.original not in lights
+        for thing in instanced(layer)
+        if thing.type == "LIGHT" and thing not in lights
     }
+
+
+def instanced(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
+    """The objects that particles, geometry nodes or collection instances multiply, as often."""
+    for instance in layer.depsgraph.object_instances:
+        if instance.is_instance:
+            yield instance.object.original
 
 
 # --- the brightest -----------------------------------------------------------------------------
@@ -305,13 +327,25 @@ def _painted_boxes(layers: list[bpy.types.ViewLayer]) -> list[_Box]:
 
 
 def _box(thing: bpy.types.Object, matrix: Matrix) -> _Box:
-    low, high = (Vector(map(end, zip(*thing.bound_box, strict=True))) for end in (min, max))
-    return _Box(matrix, low, high)
+    axes = [*zip(*thing.bound_box, strict=True)]
+    return _Box(matrix, Vector([min(axis) for axis in axes]), Vector([max(axis) for axis in axes]))
 
 
 def is_painted(thing: bpy.types.Object) -> bool:
     materials = [slot.material for slot in thing.material_slots if slot.material]
     return any(holds_slots(each.node_tree) for each in materials)
+
+
+def uses_paint(scene: bpy.types.Scene) -> bool:
+    """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
+    collections = [scene.collection]
+    for collection in collections:
+        things = collection.all_objects
+        if any(map(is_painted, things)):
+            return True
+        shown = dict.fromkeys(thing.instance_collection for thing in things)
+        collections += [each for each in shown if each is not None and each not in collections]
+    return False
 
 
 def holds_slots(tree: bpy.types.NodeTree | None) -> bool:
@@ -338,7 +372,7 @@ def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
     if light.type == "SUN":
         return strength
     position = matrix.translation
-    if light.type == "SPOT" and not _spot_reaches(light, matrix, box):
+    if isinstance(light, bpy.types.SpotLight) and not _spot_reaches(light, matrix, box):
         return 0.0
     squared_distance = max(
         (box.nearest(position) - position).length_squared,

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from typing import Any, TypeGuard
 
 import bpy
 import numpy as np
@@ -37,6 +38,8 @@ SHOWN = "Shown"  # the shader's diagnostic, a colour
 NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
 MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
+
+_GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
 
 _MARK = "metallic_paint"  # custom properties of the group: its version, and its shader's digest
 _SOURCE_MARK = "metallic_paint_source"
@@ -71,6 +74,13 @@ _NORMAL_DESCRIPTIONS = {
 }
 _SHUT = (SECOND, THIRD, DIAGNOSTICS)  # panels that start closed
 
+# At normal incidence, of those of paint.COATINGS that are metals; linear RGB.
+_METALS = {
+    "aluminium": (0.87, 0.88, 0.89), "silver": (0.98, 0.98, 0.97), "gold": (1.0, 0.67, 0.26),
+    "copper": (0.90, 0.53, 0.42), "bronze": (0.94, 0.65, 0.38), "brass": (0.87, 0.72, 0.33),
+    "chromium": (0.42, 0.42, 0.43), "nickel": (0.59, 0.53, 0.45),
+}  # fmt: skip
+
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
@@ -98,40 +108,68 @@ def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
         material.use_nodes = True  # Blender 4.5
     nodes = material.node_tree.nodes
     nodes.clear()
-    node = add_node(material.node_tree, paint)
+    node = _new_node(material.node_tree)
     out = nodes.new("ShaderNodeOutputMaterial")
     out.location.x = 300
     material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
+    apply(node, paint)
     return material
 
 
 def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGroup:
     """A new node with the paint's values, not yet connected."""
+    node = _new_node(tree)
+    apply(node, paint)
+    return node
+
+
+def _new_node(tree: bpy.types.NodeTree) -> bpy.types.ShaderNodeGroup:
     group = node_group()
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.name = NAME
     node.width = 240
-    apply(node, paint)
     return node
 
 
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
-    """Sets every socket of a paint that exists to the paint's values."""
-    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    """Sets every socket of a paint that exists to the paint's values.
+
+    A material that is the paint and no more also takes its colour, for the Solid view.
+
+    Raises PaintError, with nothing changed, where the node is of another version.
+    """
+    node = _todays_node(target)
     for name, parameter in PARAMETERS.items():
         value = shader_value(parameter, value_of(paint, name))
         socket = node.inputs[parameter.label]
-        socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+        socket.default_value = (
+            (*value, 1.0) if isinstance(value, tuple) and socket.type == "RGBA" else value
+        )
+    for owner in bpy.data.materials:
+        if owner.node_tree == node.id_data and is_pure(owner):
+            owner.diffuse_color = (*_solid_color(paint), 1.0)
+
+
+def _solid_color(paint: Paint) -> np.ndarray:
+    """Linear RGB: the flakes over the substrate, without sparkle, gloss or interference."""
+    covered = np.array([each.flake_coverage for each in paint.species])
+    colors = np.array([_METALS.get(each.coating, each.flake_color) for each in paint.species])
+    share = 1 - np.exp(-covered.sum())
+    flakes = covered @ colors / max(covered.sum(), 1e-30)
+    # On the average, flakes lie in the middle: there and back is once through the layer.
+    once = np.exp(-np.array(paint.binder_absorption_per_mm) * paint.layer_thickness_um * 1e-3)
+    return once * (share * flakes + (1 - share) * once * np.array(paint.substrate_color))
 
 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
     """The paint that the sockets hold; links and drivers on them are not part of it.
 
-    Raises PaintError with field, value and range where a socket holds what no paint can have.
+    Raises PaintError with field, value and range where a socket holds what no paint can have, and
+    where the node is of another version.
     """
-    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
-    fields: dict[str, dict[str, object]] = {"": {}, "second": {}, "third": {}}
+    node = _todays_node(target)
+    fields: dict[str, dict[str, Any]] = {"": {}, "second": {}, "third": {}}
     for name, parameter in PARAMETERS.items():
         species, _, field = name.rpartition(".")
         fields[species][field] = _field(parameter, node.inputs[parameter.label])
@@ -142,6 +180,19 @@ def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
         except PaintError as error:
             raise PaintError(f"{species}.{error}") from error
     return Paint(**paint)
+
+
+def _todays_node(
+    target: bpy.types.Material | bpy.types.ShaderNodeGroup,
+) -> bpy.types.ShaderNodeGroup:
+    """The paint node, whose sockets are today's."""
+    node = paint_node(target) if isinstance(target, bpy.types.Material) else target
+    found = version(node.node_tree)
+    if found > VERSION:
+        raise PaintError("The paint is of a newer version: update the add-on first.")
+    if found < VERSION or any(each.label not in node.inputs for each in PARAMETERS.values()):
+        raise PaintError("The paint is of an older version: update it first.")
+    return node
 
 
 def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | str | Color:
@@ -163,7 +214,7 @@ def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
     raise ValueError(f"The material {material.name!r} has no {NAME} node.")
 
 
-def is_paint(node: bpy.types.Node) -> bool:
+def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
     return node.type == "GROUP" and node.node_tree is not None and _MARK in node.node_tree
 
 
@@ -198,11 +249,23 @@ def missing(scene: bpy.types.Scene) -> str:
         return "The scene does not render with Cycles: the paint shows in Cycles only."
     if not scene.cycles.shading_system:
         return "Open Shading Language is off in this scene: the paint renders black."
-    cycles = bpy.context.preferences.addons.get("cycles")
-    has_gpu = cycles is not None and cycles.preferences.compute_device_type != "NONE"
-    if scene.cycles.device == "GPU" and has_gpu:
-        return "The scene renders on the GPU: the paint is tested on the CPU only."
+    device = gpu(scene)
+    if device == "OPTIX":
+        return "The scene renders on the GPU by OptiX: the paint is tested on the CPU only."
+    if device != "NONE":
+        return (
+            f"The scene renders on the GPU by {_GPUS.get(device, device)}, which has no Open "
+            "Shading Language: only the CPU and OptiX have."
+        )
     return ""
+
+
+def gpu(scene: bpy.types.Scene) -> str:
+    """What the scene renders by, in Blender's word for it: NONE on the CPU."""
+    cycles: bpy.types.Addon | None = bpy.context.preferences.addons.get("cycles")
+    if cycles is None or scene.cycles.device != "GPU":
+        return "NONE"
+    return cycles.preferences.compute_device_type
 
 
 def digest(source: str) -> str:
@@ -210,7 +273,9 @@ def digest(source: str) -> str:
     return hashlib.sha256(source.encode()).hexdigest()
 
 
-def is_current(group: bpy.types.ShaderNodeTree, source_digest: str) -> bool:
+def is_current(
+    group: bpy.types.NodeTree, source_digest: str
+) -> TypeGuard[bpy.types.ShaderNodeTree]:
     """Whether the paint's group has today's interface and the shader of that digest."""
     return (group.get(_MARK), group.get(_SOURCE_MARK)) == (VERSION, source_digest)
 
@@ -320,13 +385,13 @@ def _add_parameter(
     group: bpy.types.ShaderNodeTree, name: str, panel: bpy.types.NodeTreeInterfacePanel
 ) -> None:
     parameter = PARAMETERS[name]
-    default = shader_value(parameter, value_of(Paint(), name))
-    if parameter.is_color:
-        kind, default = "NodeSocketColor", (*default, 1.0)
-    elif isinstance(default, tuple):
-        kind = "NodeSocketVector"
-    else:
+    default: float | tuple[float, ...] = shader_value(parameter, value_of(Paint(), name))
+    if not isinstance(default, tuple):
         kind = "NodeSocketInt" if isinstance(default, int) else "NodeSocketFloat"
+    elif parameter.is_color:
+        kind, default = "NodeSocketColor", (*default, 1.0)
+    else:
+        kind = "NodeSocketVector"
     socket = group.interface.new_socket(
         parameter.label, in_out="INPUT", socket_type=kind, parent=panel,
         description=parameter.description,

@@ -18,6 +18,8 @@ from . import lights, material, shader
 
 _PARKED = "metallic_paint_parked["
 
+Value = float | tuple[float, ...]  # of a socket
+
 
 @dataclass
 class Report:
@@ -111,23 +113,23 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
     return lost | _unpark_animation(tree, node)
 
 
-def _value(socket: bpy.types.NodeSocket) -> object:
+def _value(socket: bpy.types.NodeSocket) -> Value:
     value = socket.default_value
     return tuple(value) if hasattr(value, "__len__") else value
 
 
-def _default(node: bpy.types.ShaderNodeGroup, socket: bpy.types.NodeSocket) -> object:
+def _default(node: bpy.types.ShaderNodeGroup, socket: bpy.types.NodeSocket) -> Value:
     sockets = node.node_tree.interface.items_tree
     own = next(each for each in sockets if getattr(each, "identifier", "") == socket.identifier)
     return tuple(own.default_value) if hasattr(own.default_value, "__len__") else own.default_value
 
 
-def _fitting(value: object, default: object, socket: bpy.types.NodeSocket) -> object:
+def _fitting(value: Value | None, default: Value, socket: bpy.types.NodeSocket) -> Value:
     """The old value if the socket still is of its kind, otherwise today's default."""
-    if isinstance(value, tuple) != isinstance(default, tuple) or value is None:
-        return default
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) and isinstance(default, tuple):
         return value if len(value) == len(default) else default
+    if value is None or isinstance(value, tuple) or isinstance(default, tuple):
+        return default
     return round(value) if socket.type == "INT" else value
 
 
@@ -160,18 +162,30 @@ def _unpark_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup)
     return lost
 
 
-def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.bpy_prop_collection]:
+def _curves(
+    tree: bpy.types.NodeTree,
+) -> Iterator[bpy.types.AnimDataDrivers | bpy.types.ActionChannelbagFCurves]:
     animation = tree.animation_data
     if animation is None:
         return
     yield animation.drivers
-    if animation.action is None:
-        return
-    for layer in animation.action.layers:
-        for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot) if animation.action_slot else None
-            if bag is not None:
-                yield bag.fcurves
+    used = {(animation.action, animation.action_slot)}
+    for track in animation.nla_tracks:
+        used.update((strip.action, strip.action_slot) for strip in _strips(track))
+    for action, slot in used:
+        if action is None or slot is None:
+            continue
+        for layer in action.layers:
+            for strip in layer.strips:
+                if (bag := strip.channelbag(slot)) is not None:
+                    yield bag.fcurves
+
+
+def _strips(of: bpy.types.NlaTrack | bpy.types.NlaStrip) -> Iterator[bpy.types.NlaStrip]:
+    """Of the nonlinear editor, with those that strips of strips hold."""
+    for strip in of.strips:
+        yield strip
+        yield from _strips(strip)
 
 
 def _remove_unused() -> None:

@@ -83,6 +83,13 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
     return groups[0].get(_FITTED_TO) == _fingerprint(scene) and lights.are_fed()
 
 
+def let_go() -> None:
+    """The slots keep their values and point at no lamp any more, until the next fit."""
+    for group in lights.groups():
+        group.animation_data_clear()
+        group.pop(_FITTED_TO, None)
+
+
 def said() -> str:
     """What the last fit reported, in lines; empty before the first."""
     return next((group.get(_SAID, "") for group in lights.groups()), "")
@@ -101,9 +108,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [
-        (lamp.name_full, lamp.hide_render, lamp.data.name_full, lamp.data.type) for lamp in lamps
-    ]
+    seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),
@@ -139,7 +144,7 @@ def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
     data = lamp.data
     size = getattr(data, "shadow_soft_size", 0), getattr(data, "spot_size", 0)
     shadow = data.use_shadow, lamp.light_linking.blocker_collection
-    return data.energy, *data.color, data.exposure, *size, *shadow
+    return lamp.hide_render, data.energy, *data.color, data.exposure, *size, *shadow
 
 
 def _shape(thing: bpy.types.Object) -> tuple[object, ...]:
@@ -186,7 +191,7 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     if _world_may_shine(scene) or any(map(_world_override, layers)):
         yield "the world"
     lamps = _lamps(things)
-    if report.left_out or any(lamp.name not in report.slots for lamp in lamps):
+    if report.left_out or any(lamp not in report.slots for lamp in lamps):
         yield "lights without a slot"
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
@@ -197,7 +202,7 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     if bounces > 0 and (len(shapes) > 1 or overridden):
         yield "their neighbours"
     elif bounces > 0:
-        sparkling = [lamp for lamp in lamps if lamp.name in report.slots]
+        sparkling = [lamp for lamp in lamps if lamp in report.slots]
         if not all(_sees_nothing_of_itself(shape, sparkling) for shape in shapes):
             yield "the paint itself"
 
@@ -340,9 +345,9 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
     n = len(mesh.loop_triangles)
     if n > _MOST_TRIANGLES:
         return None
-    indices = np.empty(3 * n, dtype=np.int32)
+    indices: np.ndarray = np.empty(3 * n, dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", indices)
-    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    places: np.ndarray = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", places)
     matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
     places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]

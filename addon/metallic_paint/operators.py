@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.props import StringProperty
 
 from . import lights, material, migration, needs, presets
 from .paint import Paint
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems, WmReportItems
 
 PAINTABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
@@ -22,7 +27,15 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     return active if active in paints else next(iter(paints), None)
 
 
-def report_of(operator: bpy.types.Operator, text: str, kind: str = "INFO") -> None:
+def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """For a poll: without Cycles, an add-on of its own, no paint compiles or is fitted."""
+    if hasattr(context.scene, "cycles"):
+        return True
+    operator.poll_message_set("Enable the add-on Cycles Render Engine first")
+    return False
+
+
+def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:
     for line in text.splitlines():
         operator.report({kind}, line)
 
@@ -58,6 +71,8 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        if not has_cycles(cls, context):
+            return False
         thing = context.object
         if thing is None or thing.type not in PAINTABLE:
             cls.poll_message_set("Select an object whose surface can hold a material")
@@ -69,7 +84,7 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         try:
             paint = load(self.preset)
         except presets.PresetError as error:
@@ -89,6 +104,8 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        if not has_cycles(cls, context):
+            return False
         space = context.space_data
         tree = space.edit_tree if space is not None and space.type == "NODE_EDITOR" else None
         if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
@@ -102,13 +119,15 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
         result = self.execute(context)
         bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
         return result
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         tree = context.space_data.edit_tree
         node = material.add_node(tree, Paint())
         node.location = context.space_data.cursor_location
@@ -132,9 +151,9 @@ This happens by itself while one works; a script calls it"""
         if not lights.groups():
             cls.poll_message_set("This file has no metallic paint")
             return False
-        return True
+        return has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         report_of(self, str(needs.fit(context.scene)))
         return {"FINISHED"}
 
@@ -148,15 +167,14 @@ class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not hasattr(context.scene, "cycles"):
-            cls.poll_message_set("Enable the add-on Cycles Render Engine first")
+        if not has_cycles(cls, context):
             return False
         if not context.scene.is_editable:
             cls.poll_message_set("The scene is linked from another file and cannot be changed")
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         material.set_up_cycles(context.scene)
         return {"FINISHED"}
 
@@ -174,9 +192,9 @@ values, links and animation stay; their look may change"""
         if not migration.has_outdated():
             cls.poll_message_set("All paints of this file are of today's version")
             return False
-        return True
+        return has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         report = migration.update()
         report_of(self, str(report), "WARNING" if report.lost or report.linked else "INFO")
         fit(self, context)

@@ -14,7 +14,10 @@ import operator
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
+
+if TYPE_CHECKING:
+    import metallic_paint_core
 
 Color = tuple[float, float, float]
 
@@ -54,7 +57,7 @@ def _field(default: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
     return dataclasses.field(default=default, metadata={"parameter": Parameter(*args, **kwargs)})
 
 
-def _check_fields(checked: object) -> None:
+def _check_fields(checked: Flakes) -> None:
     for field in dataclasses.fields(checked):
         if parameter := field.metadata.get("parameter"):
             value = getattr(checked, field.name)
@@ -64,7 +67,7 @@ def _check_fields(checked: object) -> None:
 
 def _checked(
     name: str, value: object, default: object, parameter: Parameter
-) -> float | int | str | Color:
+) -> float | int | str | tuple[float, ...]:
     if parameter.choices:
         if value not in parameter.choices:
             raise PaintError(
@@ -84,8 +87,12 @@ def _checked(
     return float(_number(name, value, parameter))
 
 
-def _number(name: str, value: object, parameter: Parameter) -> numbers.Real:
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+def _is_real(value: object) -> TypeGuard[float]:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _number(name: str, value: object, parameter: Parameter) -> float:
+    if not _is_real(value):
         raise PaintError(f"{name} is {shown(value)} and must be a number.")
     if not parameter.minimum <= value <= parameter.maximum:  # false for NaN too
         raise PaintError(
@@ -317,7 +324,7 @@ def value_of(paint: Paint, name: str) -> float | int | str | Color:
 
 def shader_value(parameter: Parameter, value: float | str | Color) -> float | int | Color:
     """A field's value as the shader takes it: words become integers."""
-    return parameter.choices.index(value) if parameter.choices else value
+    return parameter.choices.index(value) if isinstance(value, str) else value
 
 
 # Fields that are no part of the core's Paint: what the core takes beside it.
@@ -325,7 +332,7 @@ _BESIDE = ("substrate_color", "coat_roughness", "orange_peel", "orange_peel_mm",
            "texture_contrast", "composition")  # fmt: skip
 
 
-def core_paint(paint: Paint, frame: int = 0) -> object:
+def core_paint(paint: Paint, frame: int = 0) -> metallic_paint_core.Paint:
     """The paint as the core takes it."""
     import metallic_paint_core as core
 

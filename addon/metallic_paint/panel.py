@@ -4,15 +4,20 @@
 from __future__ import annotations
 
 import textwrap
+from typing import TYPE_CHECKING
 
 import bpy
 
 from . import lights, material, migration, needs, operators
+from .paint import PARAMETERS, Parameter
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import IconItems
 
 LINE = 60  # characters of a report in a line of the panel
 
 
-def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") -> None:
     """A report of several lines, wrapped, close together; the icon stands before the first."""
     column = layout.column(align=True)
     for paragraph in text.splitlines():
@@ -21,19 +26,27 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> Non
             icon = "BLANK1" if icon != "NONE" else icon
 
 
+_LINKED = (
+    "The paints are linked from {}: they cannot be edited and do not see the lights of this file. "
+    "Append them instead."
+)
+
+
 class _PaintPanel:
     bl_label = "Metallic Paint"
+    layout: bpy.types.UILayout  # of the panels
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        painted = operators.paint_node(context) is not None
-        if not painted:
+        if operators.paint_node(context) is None:
             layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
         layout.menu("MATERIAL_MT_metallic_paint_presets", icon="PRESET")
         if missing := material.missing(context.scene):
             box = layout.box()
             draw_lines(box, missing, "ERROR")
             box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
+        elif operators.paint_node(context) is not None and not _shows_in(context.screen):
+            draw_lines(layout, "The paint shows in the Rendered view only.", "INFO")
         if migration.has_outdated():
             box = layout.box()
             draw_lines(box, "This file holds paints of an older version.", "INFO")
@@ -41,7 +54,16 @@ class _PaintPanel:
         if lights.groups():
             layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
             if said := needs.said():
-                draw_lines(layout.box(), said)
+                draw_lines(layout.box(), f"All paints of this file share its lights.\n{said}")
+        elif linked := lights.linked_files():
+            draw_lines(layout.box(), _LINKED.format(", ".join(linked)), "INFO")
+
+
+def _shows_in(screen: bpy.types.Screen | None) -> bool:
+    """Whether a view is Rendered, or there is none."""
+    areas = screen.areas if screen is not None else ()
+    shadings = [each.spaces.active.shading.type for each in areas if each.type == "VIEW_3D"]
+    return not shadings or "RENDERED" in shadings
 
 
 class MATERIAL_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
@@ -54,6 +76,62 @@ class MATERIAL_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
         """With every render engine: the warning is for the others."""
         thing = context.object
         return thing is not None and thing.type in operators.PAINTABLE
+
+
+class MATERIAL_PT_metallic_paint_choices(bpy.types.Panel):
+    bl_label = "Choices"
+    bl_parent_id = "MATERIAL_PT_metallic_paint"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return operators.paint_node(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The sockets of the paint that are numbers and mean words, by their words."""
+        node = operators.paint_node(context)
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        for name, parameter in _CHOICES.items():
+            socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
+            if socket is not None:
+                row = self.layout.row()
+                row.enabled = node.id_data.is_editable and not socket.is_linked
+                row.prop(node, name)
+
+
+# By the names of the properties of group nodes that give a paint's numbers their words.
+_CHOICES = {
+    f"metallic_paint_{name.replace('.', '_')}": parameter
+    for name, parameter in PARAMETERS.items()
+    if parameter.choices
+}
+
+
+def _choice(parameter: Parameter) -> object:
+    """An enumeration that is stored nowhere: it reads and sets the socket."""
+
+    def get(node: bpy.types.ShaderNodeGroup) -> int:
+        socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
+        return min(max(socket.default_value, 0), len(parameter.choices) - 1) if socket else 0
+
+    def set_(node: bpy.types.ShaderNodeGroup, number: int) -> None:
+        node.inputs[parameter.label].default_value = number
+
+    return bpy.props.EnumProperty(
+        name=parameter.label,
+        description=parameter.description,
+        items=[
+            (word, word.replace("-", " ").title(), "", number)
+            for number, word in enumerate(parameter.choices)
+        ],
+        get=get,
+        set=set_,
+        options=set(),  # no animation: keys belong on the socket
+    )
 
 
 class NODE_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
@@ -74,16 +152,24 @@ def _draw_add(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
         menu.layout.operator(operators.NODE_OT_metallic_paint_add.bl_idname)
 
 
-_CLASSES = (MATERIAL_PT_metallic_paint, NODE_PT_metallic_paint)
+_CLASSES = (
+    MATERIAL_PT_metallic_paint,
+    MATERIAL_PT_metallic_paint_choices,
+    NODE_PT_metallic_paint,
+)
 
 
 def register() -> None:
     for each in _CLASSES:
         bpy.utils.register_class(each)
     bpy.types.NODE_MT_shader_node_add_all.append(_draw_add)
+    for name, parameter in _CHOICES.items():
+        setattr(bpy.types.ShaderNodeGroup, name, _choice(parameter))
 
 
 def unregister() -> None:
+    for name in _CHOICES:
+        delattr(bpy.types.ShaderNodeGroup, name)
     bpy.types.NODE_MT_shader_node_add_all.remove(_draw_add)
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)

@@ -7,7 +7,9 @@ put there. A swatch is a picture beside the presets that ship; without it the en
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
 
 import bpy
 import bpy.utils.previews
@@ -16,6 +18,9 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from . import material, operators, presets
 from .paint import PaintError
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 SWATCHES = Path(__file__).parent / "swatches"
 
@@ -57,6 +62,8 @@ def swatch(name: str) -> int:
 class _OnPaint:
     """For operators on the paint of the active material."""
 
+    poll_message_set: ClassVar[Callable[..., None]]  # of the operators
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         node = operators.paint_node(context)
@@ -69,13 +76,14 @@ class _OnPaint:
         return True
 
 
-def _apply(operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str) -> set[str]:
+def _apply(
+    operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str
+) -> set[OperatorReturnItems]:
     try:
-        paint = presets.load(name_or_path)
-    except presets.PresetError as error:
+        material.apply(operators.paint_node(context), presets.load(name_or_path))
+    except (presets.PresetError, PaintError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    material.apply(operators.paint_node(context), paint)
     return {"FINISHED"}
 
 
@@ -88,11 +96,14 @@ class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint, bpy.types.Operator):
 
     preset: StringProperty(name="Preset", description="Name or file of a preset")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         return _apply(self, context, self.preset)
 
 
-class MATERIAL_OT_metallic_paint_load_preset(_OnPaint, bpy.types.Operator, ImportHelper):
+# The stubs have check and invoke of these helpers return nothing.
+class MATERIAL_OT_metallic_paint_load_preset(  # type: ignore[misc]
+    _OnPaint, bpy.types.Operator, ImportHelper
+):
     """Give the active material's paint the values of a preset's file"""
 
     bl_idname = "material.metallic_paint_load_preset"
@@ -102,15 +113,19 @@ class MATERIAL_OT_metallic_paint_load_preset(_OnPaint, bpy.types.Operator, Impor
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(  # type: ignore[override]
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         self.filepath = f"{own_folder(create=True)}/"
         return super().invoke(context, event)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         return _apply(self, context, bpy.path.abspath(self.filepath))
 
 
-class MATERIAL_OT_metallic_paint_save_preset(bpy.types.Operator, ExportHelper):
+class MATERIAL_OT_metallic_paint_save_preset(  # type: ignore[misc]
+    bpy.types.Operator, ExportHelper
+):
     """Save the active material's paint as a preset: in the folder of own presets, where the menu \
 finds it, or elsewhere, to share it"""
 
@@ -129,11 +144,13 @@ finds it, or elsewhere, to share it"""
             return False
         return True
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(  # type: ignore[override]
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         self.filepath = str(own_file(operators.paint_node(context)))
         return super().invoke(context, event)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         path = bpy.path.abspath(self.filepath)
         if not path:
             self.report({"ERROR"}, "The file to save the preset in has no name.")

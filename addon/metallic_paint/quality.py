@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import EnumProperty
@@ -22,6 +23,9 @@ from bpy.props import EnumProperty
 from . import lights, material
 from .paint import PaintError
 from .panel import draw_lines
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 
 @dataclass(frozen=True)
@@ -125,7 +129,9 @@ class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
     )
 
     @classmethod
-    def description(cls, context: bpy.types.Context, properties: bpy.types.PropertyGroup) -> str:
+    def description(
+        cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties
+    ) -> str:
         return QUALITIES[properties.quality].description
 
     @classmethod
@@ -138,7 +144,7 @@ class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in apply(context.scene, self.quality):
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -151,6 +157,10 @@ class MATERIAL_PT_metallic_paint_quality(bpy.types.Panel):
     bl_region_type = "WINDOW"
     bl_context = "material"
     bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return hasattr(context.scene, "cycles")  # its add-on may be off
 
     def draw(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)

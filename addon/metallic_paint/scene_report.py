@@ -10,17 +10,23 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 from mathutils.interpolate import poly_3d_calc
 
-from . import denoise, lights, material, needs, verify
+from . import denoise, lights, material, needs, operators, verify
 from .paint import Paint, PaintError, core_paint
 from .panel import draw_lines
 
-INFO, WARNING, ERROR = "INFO", "WARNING", "ERROR"
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import IconItems, OperatorReturnItems
+
+INFO: Final = "INFO"
+WARNING: Final = "WARNING"
+ERROR: Final = "ERROR"
 Line = tuple[str, str]  # level and sentence
 
 _RAYS = 40  # along each side of an object's box in the picture
@@ -29,6 +35,7 @@ _BRIGHT = 0.9  # quantile of a pixel's sparkles that stands for "where it sparkl
 _MANY = 100.0  # sparkles a pixel whose sum deviates by a tenth or less
 _FEW = 1.0  # in the whole picture
 _SMALLEST, _LARGEST = 0.005, 100.0  # metres: sizes of what one paints
+_ICONS: dict[str, IconItems] = {INFO: "BLANK1", WARNING: "ERROR", ERROR: "CANCEL"}
 _KEY = "metallic_paint_report"  # custom property of the window manager: not in the file
 
 
@@ -66,11 +73,27 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
     if not fitted.lights.slots:
         lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
+    if outdated := denoise.outdated(scene):
+        lines.append((WARNING, f"{outdated}."))
     layers = [layer for layer in scene.view_layers if layer.use]
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
     if not painted:
-        lines.append((WARNING, "No object that renders is painted."))
+        multiplied = (thing for layer in layers for thing in lights.instanced(layer))
+        if any(map(lights.is_painted, multiplied)):
+            lines.append((INFO, "Painted only as instances: nothing can be foretold."))
+        else:
+            lines.append((WARNING, "No object that renders is painted."))
+    if sum(map(lights.uses_paint, bpy.data.scenes)) > 1:
+        lines.append(
+            (
+                WARNING,
+                (
+                    "More than one scene uses paints, which have the lights of one at a time: "
+                    "without this add-on, the scene that was fitted or saved last."
+                ),
+            )
+        )
     brightest = 0.0
     for thing in painted:
         found, brightness = _about(scene, shown[thing], thing, fitted.lights.slots)
@@ -88,20 +111,12 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
     if scene.render.engine != "CYCLES":
         yield ERROR, missing
         return
-    device = _gpu() if scene.cycles.device == "GPU" else "NONE"
-    if device not in ("NONE", "OPTIX"):
-        yield ERROR, f"The GPU renders by {device}, which has no OSL: only the CPU and OptiX have."
-    elif missing:
-        yield ERROR if not scene.cycles.shading_system else WARNING, missing
+    if missing:
+        shows = scene.cycles.shading_system and material.gpu(scene) in ("NONE", "OPTIX")
+        yield WARNING if shows else ERROR, missing
     if scene.cycles.use_denoising and not denoise.is_set_up(scene):
         label = denoise.SCENE_OT_metallic_paint_denoise.bl_label
         yield WARNING, f"Denoising takes sparkles for noise: “{label}” keeps them."
-
-
-def _gpu() -> str:
-    """The kind of GPU that Blender's preferences name, NONE for none."""
-    cycles = bpy.context.preferences.addons.get("cycles")
-    return "NONE" if cycles is None else cycles.preferences.compute_device_type
 
 
 def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
@@ -129,20 +144,21 @@ def _about(
     scene: bpy.types.Scene,
     layer: bpy.types.ViewLayer,
     thing: bpy.types.Object,
-    lamps: tuple[str, ...],
+    lamps: tuple[bpy.types.Object, ...],
 ) -> tuple[list[Line], float]:
     """Lines about a painted object, and how bright a pixel of it may sparkle."""
     name = thing.name
     lines: list[Line] = []
     brightest = 0.0
-    paints = [slot.material for slot in thing.material_slots if slot.material]
-    try:
-        found = [(each, _node(each)) for each in paints if _node(each) is not None]
-        nodes = [(each, node, material.paint_of(node)) for each, node in found]
-    except PaintError as error:
-        return [(ERROR, f"{name}: {error}")], 0.0
-    for painted, node, paint in nodes:
+    materials = [slot.material for slot in thing.material_slots if slot.material]
+    nodes = [(each, _node(each)) for each in materials if _node(each) is not None]
+    for painted, node in nodes:
         label = name if len(nodes) == 1 else f"{name}, {painted.name}"
+        try:
+            paint = material.paint_of(node)
+        except PaintError as error:
+            lines.append((ERROR, f"{label}: {error}"))
+            continue
         unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
         size = max(thing.dimensions) * unit
         if not _SMALLEST <= size <= _LARGEST:
@@ -155,7 +171,7 @@ def _about(
         if seen is None:
             lines.append((INFO, f"{label}: the camera does not see it."))
             continue
-        expected = _expect(paint, seen, [scene.objects[name] for name in lamps])
+        expected = _expect(paint, seen, lamps)
         brightest = max(brightest, expected.brightness or 0.0)
         lines += _judge(label, node, expected)
     return lines, brightest
@@ -203,7 +219,7 @@ def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> I
         )
 
 
-def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected:
+def _expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Expected:
     per_m2 = 1e6 * sum(flakes.flakes_per_mm2 for flakes in paint.species)
     flakes = float(np.median(seen.footprint)) * per_m2
     if verify.core_missing():
@@ -213,7 +229,7 @@ def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected
     slots = verify.core_lights()
     if not slots:
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
-    given = {
+    given: dict[str, Any] = {
         "position": seen.position, "normal": seen.normal, "view": seen.view,
         "footprint": seen.footprint, "pixel": np.zeros((len(seen.footprint), 2), np.int32),
     }  # fmt: skip
@@ -222,6 +238,7 @@ def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected
         if each.flakes_per_mm2 > 0:
             found = core.evaluate(core_paint(paint), slots, species=species, **given)
             counts += found["mean_count"]
+    counts *= [not lamp.hide_render for lamp in lamps]  # as it may be at this frame
     total = counts.sum(axis=1)
     if not counts.any():
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
@@ -238,7 +255,7 @@ def _expect(paint: Paint, seen: Seen, lamps: list[bpy.types.Object]) -> Expected
     )
 
 
-def _irradiances(lamps: list[bpy.types.Object], seen: Seen) -> np.ndarray:
+def _irradiances(lamps: tuple[bpy.types.Object, ...], seen: Seen) -> np.ndarray:
     """(n, lamps): of each lamp on a plane that faces it, W/m², without shadows and spots' edges."""
     columns = []
     for lamp in lamps:
@@ -274,8 +291,8 @@ def look(
     at, _, _ = camera.matrix_world.decompose()
     matrix = Matrix.Translation(at) @ camera.matrix_world.to_quaternion().to_matrix().to_4x4()
     frame = camera.data.view_frame(scene=scene)
-    low = Vector(map(min, zip(*frame, strict=True)))
-    high = Vector(map(max, zip(*frame, strict=True)))
+    low = Vector([min(axis) for axis in zip(*frame, strict=True)])
+    high = Vector([max(axis) for axis in zip(*frame, strict=True)])
     orthographic = camera.data.type == "ORTHO"
     box = _box_in_picture(thing, matrix.inverted(), low, high, orthographic)
     if box is None:
@@ -412,9 +429,9 @@ and which settings would spoil them"""
         if not context.scene.is_editable:
             cls.poll_message_set("The scene is linked from another file and cannot be changed")
             return False
-        return True
+        return operators.has_cycles(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         lines = report(context.scene)
         context.window_manager[_KEY] = json.dumps({context.scene.name_full: lines})
         bad = [sentence for level, sentence in lines if level != INFO]
@@ -437,8 +454,7 @@ class MATERIAL_PT_metallic_paint_report(bpy.types.Panel):
         self.layout.operator(SCENE_OT_metallic_paint_report.bl_idname)
         found = json.loads(context.window_manager.get(_KEY, "{}"))
         for level, sentence in found.get(context.scene.name_full, ()):
-            icon = {INFO: "BLANK1", WARNING: "ERROR", ERROR: "CANCEL"}[level]
-            draw_lines(self.layout, sentence, icon)
+            draw_lines(self.layout, sentence, _ICONS[level])
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -79,8 +79,8 @@ def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None
 def _cycles_scene() -> Iterator[None]:
     """Lends the context a scene that renders with Cycles: in any other, scripts do not compile."""
     scene = bpy.data.scenes.new("Compiling")
-    scene.render.engine = "CYCLES"
     try:
+        scene.render.engine = "CYCLES"
         with bpy.context.temp_override(scene=scene):
             yield
     finally:

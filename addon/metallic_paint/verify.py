@@ -16,11 +16,15 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import bpy
 import numpy as np
 
 from . import lights, material, shader
+
+if TYPE_CHECKING:
+    from metallic_paint_core._native import Light, Paint, Pixels
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
@@ -91,7 +95,9 @@ def make_noiseless(scene: bpy.types.Scene) -> None:
     _write_floats(scene, "OPEN_EXR")
 
 
-def _write_floats(scene: bpy.types.Scene, file_format: str) -> None:
+def _write_floats(
+    scene: bpy.types.Scene, file_format: Literal["OPEN_EXR", "OPEN_EXR_MULTILAYER"]
+) -> None:
     """All 32 bits: Blender 5 goes back to half floats with every change of the format."""
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):  # Blender 5
@@ -184,13 +190,15 @@ class Probe:
         ]
         return found[0], found[1]
 
-    def lit_by(self, lamps: Iterable[str], diagnostic: int, light: int = 0) -> np.ndarray:
+    def lit_by(
+        self, lamps: Iterable[bpy.types.Object], diagnostic: int, light: int = 0
+    ) -> np.ndarray:
         """The picture with these lamps alone, every light slot as it was."""
         all_lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
         hidden = {o: o.hide_render for o in all_lamps}
         try:
             for o in all_lamps:
-                o.hide_render = o.name not in lamps
+                o.hide_render = o not in lamps
             return self.image(diagnostic, light)
         finally:
             for o, was in hidden.items():
@@ -222,7 +230,7 @@ def _emitting(painted: bpy.types.Material) -> Iterator[None]:
             links.new(socket, surface)
 
 
-def core_lights() -> list:
+def core_lights() -> list[Light]:
     """The slots in use, as the core takes them."""
     import metallic_paint_core as core
 
@@ -231,8 +239,12 @@ def core_lights() -> list:
 
 
 def predict(
-    paint: object, slots: list, geometry: Geometry, precision: str, species: int = 0
-) -> dict:
+    paint: Paint,
+    slots: list[Light],
+    geometry: Geometry,
+    precision: Literal["float", "double"],
+    species: int = 0,
+) -> Pixels:
     """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
     import metallic_paint_core as core
 
@@ -251,9 +263,9 @@ def predict(
 
 
 def compare(
-    paint: object,
+    paint: Paint,
     geometry: Geometry,
-    predicted: list[dict],
+    predicted: list[Pixels],
     light: int,
     leader: int,
     counts: list[np.ndarray],
@@ -307,9 +319,9 @@ def _near_edge(raster: np.ndarray) -> np.ndarray:
 
 
 def _near_threshold(
-    paint: object,
+    paint: Paint,
     geometry: Geometry,
-    predicted: dict,
+    predicted: Pixels,
     light: int,
     species: int,
     found: np.ndarray,

@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
@@ -26,6 +27,10 @@ from bpy.props import IntProperty
 from . import lights, material, scene_report, shader, verify
 from .paint import PaintError, core_paint
 from .panel import draw_lines
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+    from metallic_paint_core._native import Light, Paint, Pixels
 
 SIZE = 96  # pixels along each side of the region
 PICTURES = ("Cycles", "Core", "Difference × 100")
@@ -37,6 +42,10 @@ Progress = Callable[[float, str], None]
 
 class VerifyError(RuntimeError):
     """Why a scene cannot be checked, in a sentence."""
+
+
+# What a check may end in: also a full disk, and files of the other process that are cut off.
+_ENDS = (VerifyError, OSError, RuntimeError, ValueError, EOFError)
 
 
 @dataclass(frozen=True)
@@ -134,8 +143,8 @@ class Job:
             bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
             job = {
                 "modules": _modules(), "blend": str(blend), "folder": str(self.folder),
-                "scene": scene.name, "object": thing.name, "material": _painted(thing).name,
-                "size": size,
+                "scene": scene.name_full, "object": thing.name_full,
+                "material": _painted(thing).name_full, "size": size,
             }  # fmt: skip
             file = self.folder / "job.json"
             file.write_text(json.dumps(job), encoding="utf-8")
@@ -219,13 +228,16 @@ def _modules() -> dict[str, str]:
 
 def _as_found(values: dict) -> Found:
     """JSON has lists for tuples."""
-    return Found(**{k: tuple(v) if isinstance(v, list) else v for k, v in values.items()})
+    fields: dict[str, Any] = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
+    }
+    return Found(**fields)
 
 
 def _image(name: str, array: np.ndarray) -> bpy.types.Image:
     """Linear light (h, w, 3), row 0 at the bottom."""
     h, w, _ = array.shape
-    image = bpy.data.images.get(name)
+    image: bpy.types.Image | None = bpy.data.images.get(name)
     if image is None or tuple(image.size) != (w, h) or not image.is_float:
         if image is not None:
             bpy.data.images.remove(image)
@@ -255,12 +267,11 @@ def check(
         None,
     )
     if layer is None:
-        raise VerifyError(f"{thing.name} does not render.")
+        raise VerifyError(f"{thing.name} does not render{_as_instances(scene, thing)}.")
     notes = _freeze(painted, layer)
-    names = lights.fill(scene).slots
-    if not names:
+    lamps = lights.fill(scene).slots
+    if not lamps:
         raise VerifyError("No sun, spot or point light renders: there is no sparkle to check.")
-    lamps = [scene.objects[name] for name in names]
     slots = verify.core_lights()
     node = material.paint_node(painted)
     frame = int(node.inputs["Frame"].default_value)
@@ -283,17 +294,22 @@ def check(
     shown, wanted = np.zeros(shape), np.zeros(shape)
     worst, where = 0.0, (int(region[0]), int(region[1]))
     for light, lamp in enumerate(lamps):
+        if lamp.hide_render:
+            continue  # it has its slot for another frame
         leaders = predicted[0]["leader"][:, light]
         for leader in np.unique(leaders[leaders >= 0]):
             mask = leaders == leader
             hit = np.zeros_like(geometry.hit)
             hit[geometry.hit] = mask
             part = dataclasses.replace(geometry, hit=hit)
-            own = [{key: values[mask] for key, values in each.items()} for each in predicted]
+            own: list[Pixels] = [
+                {key: values[mask] for key, values in each.items()}  # type: ignore[index, misc]
+                for each in predicted
+            ]
             counts = [probe.image(verify.COUNT, leader, i)[..., 0] for i in in_use]
             cone = probe.image(verify.CONE, leader)[..., 0]
             picture, irradiance = (
-                probe.lit_by([lamp.name], diagnostic, leader)
+                probe.lit_by([lamp], diagnostic, leader)
                 for diagnostic in (verify.SPARKLES, verify.IRRADIANCE)
             )
             compared = verify.compare(
@@ -326,6 +342,14 @@ def check(
     found = Found(region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
                   notes=tuple(notes))  # fmt: skip
     return dataclasses.asdict(found)
+
+
+def _as_instances(scene: bpy.types.Scene, thing: bpy.types.Object) -> str:
+    layers = [each for each in scene.view_layers if each.use]
+    for layer in layers:
+        layer.update()
+    shown = any(thing in set(lights.instanced(layer)) for layer in layers)
+    return " but as instances, of which nothing can be foretold" if shown else ""
 
 
 class _Probe(verify.Probe):
@@ -378,8 +402,8 @@ def _region(
     thing: bpy.types.Object,
     painted: bpy.types.Material,
     size: int,
-    paint: object,
-    slots: list,
+    paint: Paint,
+    slots: list[Light],
 ) -> tuple[int, int, int, int]:
     """Where the object sparkles most; the frame's centre if rays cannot tell."""
     import metallic_paint_core as core
@@ -401,7 +425,9 @@ def _region(
         centre = seen.raster[int(mean.argmax())]
     extent = np.minimum(size, frame)
     low = np.clip((centre - extent / 2).astype(int), 0, frame - extent)
-    return (*map(int, low), *map(int, low + extent))
+    left, bottom = map(int, low)
+    right, top = map(int, low + extent)
+    return left, bottom, right, top
 
 
 def _hold_out(
@@ -478,12 +504,14 @@ pixel against the core. The pictures become images of this file"""
             cls.poll_message_set(reason)
         return not reason
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def invoke(
+        self, context: bpy.types.Context, event: bpy.types.Event
+    ) -> set[OperatorReturnItems]:
         if context.window is None:
             return self.execute(context)
         try:
             _running.append(Job(context.scene, context.object, self.size))
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._timer = context.window_manager.event_timer_add(_SECONDS, window=context.window)
@@ -491,7 +519,7 @@ pixel against the core. The pictures become images of this file"""
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[OperatorReturnItems]:
         if event.type == "ESC":
             self.cancel(context)
             self.report({"INFO"}, "The check was stopped")
@@ -505,7 +533,7 @@ pixel against the core. The pictures become images of this file"""
                 _redraw(context)
                 return {"PASS_THROUGH"}
             job.pictures()
-        except VerifyError as error:
+        except _ENDS as error:
             self.cancel(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -520,10 +548,10 @@ pixel against the core. The pictures become images of this file"""
         _running.pop().close()
         _redraw(context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         try:
             found = run(context.scene, context.object, self.size)
-        except (VerifyError, OSError, RuntimeError) as error:
+        except _ENDS as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _show(self, context, found)

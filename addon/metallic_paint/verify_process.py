@@ -26,6 +26,11 @@ def load(name: str, file: Path) -> ModuleType:
     return module
 
 
+def find(kind: str, name_full: str) -> bpy.types.ID:
+    """By the name with the library, which tells it from one of the same name."""
+    return next(each for each in getattr(bpy.data, kind) if each.name_full == name_full)
+
+
 def main(job: dict, said: Path) -> None:
     with said.open("a", encoding="utf-8") as lines:
 
@@ -39,8 +44,8 @@ def main(job: dict, said: Path) -> None:
             check = importlib.import_module("metallic_paint.verify_operator").check
             bpy.ops.wm.open_mainfile(filepath=job["blend"], use_scripts=False)
             found = check(
-                bpy.data.scenes[job["scene"]], bpy.data.objects[job["object"]],
-                bpy.data.materials[job["material"]], job["size"], Path(job["folder"]),
+                find("scenes", job["scene"]), find("objects", job["object"]),
+                find("materials", job["material"]), job["size"], Path(job["folder"]),
                 lambda share, what: say(progress=share, what=what),
             )  # fmt: skip
             say(found=found)

@@ -130,22 +130,6 @@ def test_file_with_only_a_linked_paint_is_left_alone(
     assert addon("lights").groups() == []
 
 
-def test_undo_and_redo_of_a_new_paint(addon: Addon) -> None:
-    bpy.ops.mesh.primitive_cube_add()
-    bpy.ops.ed.undo_push(message="cube")
-    bpy.ops.material.metallic_paint_new(preset="gold")
-    bpy.ops.ed.undo_push(message="paint")
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        if not bpy.ops.ed.undo.poll():
-            pytest.skip("Blender's module does not undo without a window.")
-        bpy.ops.ed.undo()
-        assert bpy.data.objects["Cube"].active_material is None
-        assert not groups("metallic_paint")
-        bpy.ops.ed.redo()
-    painted = bpy.data.objects["Cube"].active_material
-    assert addon("material").paint_of(painted) == addon("presets").load("gold")
-
-
 def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_path: Path) -> None:
     add_sun()
     file = str(tmp_path / "a.blend")

@@ -7,6 +7,7 @@ function, and tested for being started.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -299,31 +300,108 @@ def test_nothing_happens_while_rendering(
     assert fits
 
 
+@pytest.fixture
+def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> Iterator[set[str]]:
+    """A Blender with a window, as the add-on sees it: the jobs that it runs."""
+    running: set[str] = set()
+    app = SimpleNamespace(
+        background=False, timers=bpy.app.timers, is_job_running=lambda kind: kind in running
+    )
+    follow = addon("follow")
+    monkeypatch.setattr(follow, "bpy", SimpleNamespace(app=app, context=bpy.context))
+    yield running
+    follow._stop_timer()
+
+
 def test_with_a_window_the_handler_only_starts_a_timer(
-    addon: Addon, fits: list[str], monkeypatch: pytest.MonkeyPatch
+    addon: Addon, fits: list[str], jobs: set[str]
 ) -> None:
     follow = addon("follow")
-    app = SimpleNamespace(background=False, timers=bpy.app.timers)
-    monkeypatch.setattr(follow, "bpy", SimpleNamespace(app=app, context=bpy.context))
     add("SUN", "Sun")
     add("SUN", "Sun 2")
     assert fits == []
     assert bpy.app.timers.is_registered(follow.follow)
     follow.follow()
     assert slots(addon) == ["Sun", "Sun 2"]
-    follow._stop_timer()
 
 
-def test_undo_brings_back_the_lights_of_its_state(addon: Addon) -> None:
-    window = bpy.context.window_manager.windows[0]
-    bpy.ops.ed.undo_push(message="painted")
+def call(name: str) -> None:
+    """The add-on's handlers as Blender calls them."""
+    for handler in getattr(bpy.app.handlers, name):
+        if handler.__module__.startswith(NAME):
+            handler(bpy.context.scene, None)
+
+
+def test_with_a_window_the_job_tells_that_a_render_ended(addon: Addon, jobs: set[str]) -> None:
+    jobs.add("RENDER")
+    call("render_init")
     add("SUN", "Sun")
-    bpy.ops.ed.undo_push(message="light")
-    assert len(addon("lights").values()) == 1
-    with bpy.context.temp_override(window=window):
-        if not bpy.ops.ed.undo.poll():
-            pytest.skip("Blender's module does not undo without a window.")
-        bpy.ops.ed.undo()
-        assert addon("lights").values() == []
-        bpy.ops.ed.redo()
-    assert len(addon("lights").values()) == 1
+    assert addon("follow").follow() == addon("follow").REST_SECONDS
+    assert slots(addon) == []
+    jobs.clear()  # it failed: neither render_complete nor render_cancel
+    assert addon("follow").follow() is None
+    assert slots(addon) == ["Sun"]
+
+
+@pytest.mark.parametrize("by", ["saving", "loading"])
+def test_a_render_that_tells_no_end_ends_with_the_next_file(
+    addon: Addon, by: str, tmp_path: Path
+) -> None:
+    file = str(tmp_path / "a.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    call("render_init")
+    add("SUN", "Sun")
+    assert slots(addon) == []
+    if by == "saving":
+        bpy.ops.wm.save_as_mainfile(filepath=file)
+    else:
+        bpy.ops.wm.open_mainfile(filepath=file)
+        add("SUN", "Sun")
+    assert slots(addon) == ["Sun"]
+
+
+def test_another_scene_is_rendered_with_its_own_lights(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    add("SUN", "Sun")
+    other = bpy.data.scenes.new("Other")
+    lamp = bpy.data.objects.new("Theirs", bpy.data.lights.new("Theirs", "POINT"))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    for thing in (painted, lamp, camera):
+        other.collection.objects.link(thing)
+    other.camera = camera
+    addon("material").set_up_cycles(other)
+    other.render.resolution_x = other.render.resolution_y = other.cycles.samples = 1
+    assert slots(addon) == ["Sun"]
+    during: list[list[str]] = []
+
+    def watch(*_: object) -> None:
+        during.append(slots(addon))
+
+    bpy.app.handlers.render_pre.append(watch)
+    try:
+        bpy.ops.render.render(scene="Other")
+    finally:
+        bpy.app.handlers.render_pre.remove(watch)
+    assert during == [["Theirs"]]
+    assert slots(addon) == ["Sun"]
+
+
+# Blender's module has no window, and without one undo's poll is never true: these are undo's steps.
+
+
+@pytest.mark.parametrize("step", ["undo", "redo"])
+def test_what_undo_may_free_is_not_pointed_at(addon: Addon, step: str) -> None:
+    lamp, lights, needs = add("POINT", "Lamp", 1), addon("lights"), addon("needs")
+    before = lights.values()
+    call(f"{step}_pre")
+    group = lights.node_group()
+    assert not group.animation_data
+    assert not needs.is_fitted(bpy.context.scene)
+    assert lights.values() == before
+    bpy.data.objects.remove(lamp)
+    add("POINT", "Other", 2)
+    call(f"{step}_post")
+    assert needs.is_fitted(bpy.context.scene)
+    assert slots(addon) == ["Other"]
+    assert group.animation_data.drivers

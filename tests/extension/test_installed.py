@@ -12,8 +12,8 @@ import bpy
 import pytest
 from package import NAME, Addon
 
-HANDLERS = ("depsgraph_update_post", "load_post", "save_pre", "undo_post", "redo_post",
-            "render_init", "render_complete", "render_cancel")  # fmt: skip
+HANDLERS = ("depsgraph_update_post", "load_post", "save_pre", "undo_pre", "undo_post", "redo_pre",
+            "redo_post", "render_init", "render_complete", "render_cancel")  # fmt: skip
 
 
 def ours() -> dict[str, int]:

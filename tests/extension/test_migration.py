@@ -95,6 +95,26 @@ def test_keys_and_drivers_are_kept(
         assert inputs["Flakes per mm²"].default_value == 3000
 
 
+def test_keys_in_the_nonlinear_editor_are_kept(addon: Addon, old: bpy.types.Material) -> None:
+    node = old.node_tree.nodes["Paint"]
+    for frame, tilt in ((1, 0.1), (11, 0.3)):
+        node.inputs["Tilt"].default_value = tilt
+        node.inputs["Tilt"].keyframe_insert("default_value", frame=frame)
+    animation = old.node_tree.animation_data
+    action, slot = animation.action, animation.action_slot
+    for number in (1, 2):  # the same action twice, as one repeats it
+        strip = animation.nla_tracks.new().strips.new("Tilt", 20 * number - 19, action)
+        strip.action_slot, strip.extrapolation = slot, "NOTHING"
+    animation.action = None
+    update()
+    for frame, tilt in ((1, 0.1), (11, 0.3), (31, 0.3)):
+        bpy.context.scene.frame_set(frame)
+        evaluated = old.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        inputs = evaluated.node_tree.nodes["Paint"].inputs
+        assert inputs["Tilt"].default_value == pytest.approx(tilt)
+        assert inputs["Flakes per mm²"].default_value == 3000
+
+
 def test_old_groups_and_text_are_gone(old: bpy.types.Material) -> None:
     update()
     assert sorted(bpy.data.node_groups.keys()) == ["Metallic Paint", "Metallic Paint Lights"]

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import addon_utils
 import bpy
 import pytest
 from package import Addon
@@ -208,13 +209,64 @@ def test_one_button_puts_the_scene_on_cycles_with_osl(addon: Addon) -> None:
     assert scene.cycles.shading_system
 
 
+@pytest.mark.parametrize(
+    ("device", "warning"),
+    [
+        ("OPTIX", "on the GPU by OptiX: the paint is tested on the CPU only"),
+        ("METAL", "by Metal, which has no Open Shading Language"),
+        ("NONE", ""),
+    ],
+)
+def test_each_kind_of_gpu_is_named(
+    addon: Addon, monkeypatch: pytest.MonkeyPatch, device: str, warning: str
+) -> None:
+    """Devices that this machine's Blender does not know of are set where Cycles is asked."""
+    material = addon("material")
+    bpy.ops.scene.metallic_paint_use_osl()
+    monkeypatch.setattr(material, "gpu", lambda _: device)
+    missing = material.missing(bpy.context.scene)
+    assert warning in missing
+    assert bool(missing) == bool(warning)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "material.metallic_paint_new", "scene.metallic_paint_update_lights",
+        "material.metallic_paint_update", "scene.metallic_paint_report",
+        "scene.metallic_paint_use_osl",
+    ],
+)  # fmt: skip
+def test_without_the_add_on_of_cycles_operators_say_so(
+    addon: Addon, cube: bpy.types.Object, tmp_path: Path, call: str
+) -> None:
+    bpy.ops.material.metallic_paint_new()
+    addon("material").node_group()["metallic_paint_source"] = "older"
+    addon_utils.disable("cycles")
+    try:
+        space, _, name = call.partition(".")
+        with pytest.raises(RuntimeError, match="Enable the add-on Cycles Render Engine first"):
+            getattr(getattr(bpy.ops, space), name)()
+        bpy.ops.object.light_add(type="SUN")
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+        assert addon("lights").values() == []
+        before = bpy.data.scenes.keys()
+        with pytest.raises(TypeError, match="CYCLES"):
+            addon("material").create(addon("paint").Paint())
+        assert bpy.data.scenes.keys() == before
+    finally:
+        addon_utils.enable("cycles")
+    bpy.context.view_layer.update()
+    assert len(addon("lights").values()) == 1
+
+
 def test_a_gpu_is_warned_of(addon: Addon) -> None:
     scene, missing = bpy.context.scene, addon("material").missing
     bpy.ops.scene.metallic_paint_use_osl()
     scene.cycles.device = "GPU"
     assert missing(scene) == ""  # without a GPU Cycles takes the CPU
     bpy.context.preferences.addons["cycles"].preferences.compute_device_type = "CUDA"
-    assert "renders on the GPU" in missing(scene)
+    assert "by CUDA, which has no Open Shading Language" in missing(scene)
     bpy.ops.scene.metallic_paint_use_osl()
     assert missing(scene) == ""
 

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
+import addon_utils
 import bpy
 import pytest
 from package import Addon
@@ -60,6 +61,82 @@ def test_panel_tells_what_the_last_fit_said(cube: bpy.types.Object) -> None:
     assert "scene.metallic_paint_update_lights" in shown.names
     assert "light 1: Sun" in shown.texts
     assert all(len(text) <= 60 for text in shown.texts)
+
+
+def test_panel_names_the_files_of_linked_paints(cube: bpy.types.Object, tmp_path: Path) -> None:
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    file = str(tmp_path / "gold.blend")
+    bpy.data.libraries.write(file, {cube.active_material})
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(file, link=True) as (_, into):
+        into.materials = ["Gold"]
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.active_material = into.materials[0]
+    shown = " ".join(panel().texts)
+    assert "gold.blend: they cannot be edited" in shown
+    assert "Append them instead" in shown
+
+
+def test_panel_says_where_the_paint_shows(
+    addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def view(shading: str) -> SimpleNamespace:
+        space = SimpleNamespace(shading=SimpleNamespace(type=shading))
+        return SimpleNamespace(type="VIEW_3D", spaces=SimpleNamespace(active=space))
+
+    def shown(*shadings: str) -> bool:
+        context = SimpleNamespace(
+            screen=SimpleNamespace(areas=[view(each) for each in shadings]),
+            scene=bpy.context.scene, object=cube,
+        )  # fmt: skip
+        texts = drawn(bpy.types.MATERIAL_PT_metallic_paint, context).texts
+        return "The paint shows in the Rendered view only." in texts
+
+    bpy.ops.scene.metallic_paint_use_osl()
+    assert not shown("SOLID")
+    bpy.ops.material.metallic_paint_new()
+    assert shown("SOLID", "MATERIAL")
+    assert not shown("SOLID", "RENDERED")
+    assert not shown()
+
+
+def test_choices_are_chosen_by_words(addon: Addon, cube: bpy.types.Object) -> None:
+    choices = bpy.types.MATERIAL_PT_metallic_paint_choices
+    assert not choices.poll(bpy.context)
+    bpy.ops.material.metallic_paint_new()
+    assert choices.poll(bpy.context)
+    material = addon("material")
+    node = material.paint_node(cube.active_material)
+    named = drawn(choices).properties
+    parameters = [each for each in addon("paint").PARAMETERS.values() if each.choices]
+    assert len(named) == len(parameters) >= 10
+    for name, parameter in zip(named, parameters, strict=True):
+        for number, word in enumerate(parameter.choices):
+            setattr(node, name, word)
+            assert node.inputs[parameter.label].default_value == number
+        node.inputs[parameter.label].default_value = 1
+        assert getattr(node, name) == parameter.choices[1]
+    node.inputs["Coating"].default_value = -1
+    assert node.metallic_paint_coating == "colors"
+    assert not node.keys()
+
+
+def test_panels_stand_without_the_add_on_of_cycles(cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    bpy.ops.object.light_add(type="SUN")
+    bpy.context.view_layer.objects.active = cube
+    addon_utils.disable("cycles")
+    try:
+        bpy.context.view_layer.update()
+        shown = " ".join(panel().texts)
+        assert "does not render with Cycles" in shown
+        for name in dir(bpy.types):
+            if name.startswith("MATERIAL_PT_metallic_paint"):
+                kind = getattr(bpy.types, name)
+                if not hasattr(kind, "poll") or kind.poll(bpy.context):
+                    drawn(kind)
+    finally:
+        addon_utils.enable("cycles")
 
 
 def test_notice_of_older_paints(addon: Addon, cube: bpy.types.Object) -> None:
@@ -126,11 +203,29 @@ def test_asset_library_comes_and_goes_by_buttons(addon: Addon) -> None:
         bpy.ops.preferences.metallic_paint_remove_library()
     assert bpy.ops.preferences.metallic_paint_add_library() == {"FINISHED"}
     assert libraries.keys() == [*before, "Metallic Paint"]
+    assert libraries["Metallic Paint"].import_method in ("APPEND", "APPEND_REUSE")
     assert preferences(addon).names == ["preferences.metallic_paint_remove_library"]
     with pytest.raises(RuntimeError, match="there already"):
         bpy.ops.preferences.metallic_paint_add_library()
     assert bpy.ops.preferences.metallic_paint_remove_library() == {"FINISHED"}
     assert libraries.keys() == before
+
+
+def test_asset_library_is_known_behind_a_symbolic_link(
+    addon: Addon, installed: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "link").symlink_to(installed)
+    source = (installed / "library.py").read_text()
+    here = {"__file__": str(tmp_path / "link" / "library.py"), "__package__": "p", "__name__": "p"}
+    [line] = [line for line in source.splitlines() if line.startswith("FOLDER = ")]
+    exec(line, here | {"Path": Path}, found := {})
+    monkeypatch.setattr(addon("library"), "FOLDER", found["FOLDER"])
+    bpy.ops.preferences.metallic_paint_add_library()
+    try:
+        assert preferences(addon).names == ["preferences.metallic_paint_remove_library"]
+    finally:
+        libraries = bpy.context.preferences.filepaths.asset_libraries
+        libraries.remove(libraries["Metallic Paint"])
 
 
 def test_build_without_library_says_so(

@@ -114,6 +114,23 @@ def test_saving_an_impossible_paint_names_the_field(
 
 
 @pytest.mark.parametrize("action", ["apply", "load", "save"])
+def test_a_paint_of_an_older_version_stays_as_it_is(
+    addon: Addon, painted: bpy.types.Material, tmp_path: Path, action: str
+) -> None:
+    material, presets = addon("material"), addon("presets")
+    group = material.paint_node(painted).node_tree
+    group["metallic_paint"] = material.VERSION - 1
+    file = presets.FOLDER / "lime.json" if action == "load" else tmp_path / "mine.json"
+    given = {"preset": "lime"} if action == "apply" else {"filepath": str(file)}
+    run = getattr(bpy.ops.material, f"metallic_paint_{action}_preset")
+    with pytest.raises(RuntimeError, match="is of an older version: update it first"):
+        run(**given)
+    group["metallic_paint"] = material.VERSION
+    assert material.paint_of(painted) == presets.load("gold")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("action", ["apply", "load", "save"])
 def test_operators_refuse_without_a_paint(action: str, tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.active_material = bpy.data.materials.new("plain")

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp
-from metallic_paint import denoise, material, presets, verify
+from lamps import add_lamp, link_namesake
+from metallic_paint import denoise, material, presets, scene_report, verify
 from recording import drawn
 
 SIZE = 80
@@ -167,6 +168,17 @@ def state(scene: bpy.types.Scene) -> dict:
     }
 
 
+def add_plain_compositing(scene: bpy.types.Scene) -> None:
+    """Blender 4.5: nodes that only hand the picture on, switched off. Blender 5 has none then."""
+    if bpy.app.version < (5, 0):
+        scene.use_nodes = True
+        scene.node_tree.nodes.clear()
+        passes = scene.node_tree.nodes.new("CompositorNodeRLayers")
+        out = scene.node_tree.nodes.new("CompositorNodeComposite")
+        scene.node_tree.links.new(passes.outputs[0], out.inputs[0])
+        scene.use_nodes = False
+
+
 def test_the_inverse_takes_everything_back(registered: None) -> None:
     scene = build()
     denoise.needs.fit(scene)
@@ -174,13 +186,7 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
     scene.cycles.use_denoising = layer.use_pass_glossy_color = True
     scene.objects["Sun"].lightgroup = "Key"
     add_lamp("POINT", "Point")
-    if bpy.app.version < (5, 0):
-        scene.use_nodes = True  # the default nodes, which only hand the picture on
-        scene.node_tree.nodes.clear()
-        passes = scene.node_tree.nodes.new("CompositorNodeRLayers")
-        out = scene.node_tree.nodes.new("CompositorNodeComposite")
-        scene.node_tree.links.new(passes.outputs[0], out.inputs[0])
-        scene.use_nodes = False
+    add_plain_compositing(scene)
     before = state(scene)
     for _ in range(2):  # once more renews
         assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
@@ -198,6 +204,127 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
         bpy.ops.scene.metallic_paint_denoise_remove()
     with pytest.raises(denoise.DenoiseError, match="is not set up"):
         denoise.remove(scene)
+
+
+def test_another_engine_is_refused_and_nothing_changes(registered: None) -> None:
+    scene = build()
+    scene.render.engine = "BLENDER_WORKBENCH"
+    before = state(scene)
+    with pytest.raises(RuntimeError, match="The scene does not render with Cycles"):
+        bpy.ops.scene.metallic_paint_denoise()
+    with pytest.raises(denoise.DenoiseError, match="The scene does not render with Cycles"):
+        denoise.set_up(scene)
+    assert state(scene) == before
+
+
+@pytest.mark.parametrize("step", ["_compose", "node_group", "_mix", "_painted", "_lay_out"])
+def test_a_set_up_that_breaks_off_changes_nothing(
+    monkeypatch: pytest.MonkeyPatch, step: str
+) -> None:
+    scene = build()
+    denoise.needs.fit(scene)
+    scene.cycles.use_denoising = True
+    add_plain_compositing(scene)
+    before = state(scene)
+
+    def fail(*_: object) -> None:
+        raise KeyError(step)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(denoise, step, fail)
+        with pytest.raises(KeyError, match=step):
+            denoise.set_up(scene)
+    assert state(scene) == before
+    assert denoise.set_up(scene)
+
+
+def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
+    scene = build()
+    denoise.set_up(scene)
+    scene.objects["Sun"].name = "Moon"
+    denoise.remove(scene)
+    assert scene.objects["Moon"].lightgroup == ""
+
+
+def test_what_came_since_is_told_until_one_presses_again(registered: None) -> None:
+    scene = build()
+    denoise.set_up(scene)
+    panel = denoise.MATERIAL_PT_metallic_paint_denoise
+
+    def told() -> str:
+        denoise.needs.fit(scene)
+        found = denoise.outdated(scene)
+        warned = [text for level, text in scene_report.report(scene) if level == "WARNING"]
+        assert [f"{found}."] * bool(found) == [text for text in warned if "does not know" in text]
+        assert found.split() == " ".join(drawn(panel).texts[2:]).rstrip(".").split()
+        return found
+
+    def pressed() -> None:
+        assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
+        assert told() == ""
+
+    assert told() == ""
+    paint = scene.objects["Sphere"].active_material
+    paint.name = "Renamed"
+    assert "does not know Renamed: press “Denoise, Keep Sparkles” again" in told()
+    pressed()
+    scene.objects["Plane"].active_material = material.create(presets.load("gold"), "Second")
+    add_lamp("POINT", "Lamp", energy=0.1, location=(0, 0, 1))
+    assert "does not know Second, Lamp: press" in told()
+    pressed()
+    scene.objects["Sun"].lightgroup = "Other"
+    assert "does not know Sun: press" in told()
+    pressed()
+    scene.view_layers[0].lightgroups.remove(scene.view_layers[0].lightgroups["Other"])
+    assert "does not know Sun: press" in told()
+    pressed()
+    scene.view_layers[0].name = "Main"
+    assert "does not know the view layer that renders: press" in told()
+    bpy.data.objects.remove(scene.objects["Sphere"])
+    pressed()
+
+
+def test_sparkles_of_instances_pass_by_the_denoiser_too() -> None:
+    scene = build()
+    ball = scene.objects["Sphere"]
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(ball)
+    scene.collection.objects.unlink(ball)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(instance)
+    denoise.set_up(scene)
+    mattes = [n.matte_id for n in denoise._tree(scene).nodes if n.type == "CRYPTOMATTE_V2"]
+    assert mattes == [ball.active_material.name]
+
+
+@pytest.mark.parametrize("name", ["Silver, coarse", " Silver", "<1>"])
+def test_a_name_that_no_cryptomatte_has_is_refused(name: str) -> None:
+    scene = build()
+    paint = scene.objects["Sphere"].active_material
+    paint.name = name
+    assert f"Rename “{name}”: Cryptomatte takes no comma" in denoise.why_not(scene)
+    paint.name = "Silver"
+    assert denoise.why_not(scene) == ""
+
+
+@pytest.mark.parametrize("group", ["", "Theirs"])
+def test_a_linked_lamp_may_share_the_name_of_a_local_one(tmp_path: Path, group: str) -> None:
+    scene = build()
+    own = scene.objects["Sun"]
+    own.lightgroup = group
+    linked = link_namesake(own, tmp_path / "lamps.blend")
+    own.lightgroup = ""
+    said = "\n".join(denoise.set_up(scene))
+    assert (own.lightgroup, linked.lightgroup) == (denoise.LIGHT_GROUP, group)
+    assert ("Sparkles of Sun [lamps.blend] are denoised: linked" in said) == (group == "")
+    assert denoise.outdated(scene) == ""
+    groups = {group, denoise.LIGHT_GROUP} - {""}
+    passes = next(node for node in denoise._tree(scene).nodes if node.type == "R_LAYERS")
+    linked_passes = {socket.name for socket in passes.outputs if socket.is_linked}
+    assert {f"Combined_{name}" for name in groups} <= linked_passes
+    denoise.remove(scene)
+    assert own.lightgroup == ""
 
 
 def add_glare(scene: bpy.types.Scene) -> None:

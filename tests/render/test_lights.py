@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import bpy
@@ -15,7 +15,7 @@ import OpenImageIO
 import pytest
 from lamps import add_lamp
 from mathutils import Euler, Matrix, Vector
-from metallic_paint import lights, material, shader
+from metallic_paint import lights, material, needs, shader
 from metallic_paint.paint import Paint
 
 Place = Callable[..., bpy.types.Object]
@@ -92,6 +92,14 @@ def fill() -> lights.Report:
     return lights.fill(bpy.context.scene)
 
 
+def named(*names: str) -> tuple[bpy.types.Object, ...]:
+    return tuple(bpy.data.objects[name] for name in names)
+
+
+def names(lamps: Iterable[bpy.types.Object]) -> list[str]:
+    return [lamp.name for lamp in lamps]
+
+
 # --- what stands in a slot --------------------------------------------------------------------
 
 
@@ -100,7 +108,7 @@ def test_a_sun_is_the_direction_towards_it_and_the_sine_of_its_radius(
 ) -> None:
     turn = Euler((0.4, -0.3, 1.2))
     place("SUN", "Sun", rotation_euler=turn, location=(7, 8, 9), angle=0.5, scale=(3, 3, 3))
-    assert fill().slots == ("Sun",)
+    assert fill().slots == named("Sun")
     kind, vector, size = slot(1)
     assert kind == lights.PARALLEL
     assert vector == pytest.approx((turn.to_matrix() @ Vector((0, 0, 1)))[:], abs=EPSILON)
@@ -222,14 +230,14 @@ def test_a_light_of_no_extent_at_all_gives_no_driver_error(place: Place, painted
 def test_slots_are_ordered_by_name(place: Place) -> None:
     for name, energy in (("B", 3), ("C", 2), ("A", 1)):
         place("SUN", name, energy=energy)
-    assert fill() == lights.Report(("A", "B", "C"), {}, ())
+    assert fill() == lights.Report(named("A", "B", "C"), {}, ())
 
 
 def test_an_area_light_has_no_slot_and_is_told(place: Place) -> None:
-    place("AREA", "Softbox", energy=1e6)
+    softbox = place("AREA", "Softbox", energy=1e6)
     report = fill()
     assert report.slots == ()
-    assert report.left_out == {"Softbox": "an area light makes no sparkles"}
+    assert report.left_out == {softbox: "an area light makes no sparkles"}
     assert str(report) == "no sparkles from Softbox: an area light makes no sparkles"
 
 
@@ -249,13 +257,46 @@ def test_a_light_that_does_not_render_has_no_slot(place: Place) -> None:
     inner.objects.link(light)
     bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
     hidden.hide_render = True
-    assert fill() == lights.Report(("Shown",), {}, ())
+    assert fill() == lights.Report(named("Shown"), {}, ())
+
+
+def appears_at(frame: int, lamp: bpy.types.Object) -> None:
+    for at, hidden in ((1, True), (frame, False)):
+        lamp.hide_render = hidden
+        lamp.keyframe_insert("hide_render", frame=at)
+    bpy.context.scene.frame_set(1)
+
+
+def test_a_light_that_appears_later_sparkles_then(
+    place: Place, painted: object, tmp_path: Path
+) -> None:
+    camera_above(32)
+    place("SUN", "Always", rotation_euler=(0.1, 0.1, 0), energy=0)
+    appears_at(5, place("SUN", "Later", rotation_euler=(0.1, -0.1, 0), energy=3))
+    assert fill().slots == named("Always", "Later")
+    assert render(tmp_path / "hidden.exr").max() == 0
+    bpy.context.scene.frame_set(5)
+    shown = render(tmp_path / "shown.exr")
+    assert shown.std() > 0.01 * shown.mean()
+
+
+def test_lights_that_show_now_win_over_those_that_appear_later(
+    place: Place, painted: object
+) -> None:
+    later = place("SUN", "A later one", energy=100)
+    appears_at(5, later)
+    for i in range(lights.SLOTS):
+        place("SUN", f"Sun {i}", energy=1)
+    report = fill()
+    assert report.left_out == {later: "8 other lights have the slots"}
+    bpy.data.objects.remove(bpy.data.objects["Sun 3"])
+    assert later in fill().slots
 
 
 def test_a_light_hidden_in_the_viewport_only_has_a_slot(place: Place, painted: object) -> None:
     lamp = place("POINT", "Lamp", location=(1, 2, 3))
     lamp.hide_viewport = True
-    assert fill().slots == ("Lamp",)
+    assert fill().slots == named("Lamp")
     assert slot(1)[1] == (1, 2, 3)
     lamp.location.x = 5
     assert slot(1)[1] == (5, 2, 3)
@@ -272,7 +313,7 @@ def test_lights_of_every_view_layer_have_slots(place: Place) -> None:
     second = scene.view_layers.new("Second")
     first.layer_collection.children[collection.name].exclude = True
     second.layer_collection.children[collection.name].exclude = False
-    assert fill().slots == ("Sun",)
+    assert fill().slots == named("Sun")
     vector = [s.default_value for s in lights.node_group().nodes["Light1Vector"].inputs]
     assert vector == pytest.approx((0, -math.sin(0.5), math.cos(0.5)), abs=EPSILON)
     second.use = False
@@ -289,8 +330,8 @@ def test_an_instanced_light_is_told(place: Place) -> None:
     bpy.context.scene.collection.objects.link(empty)
     report = fill()
     assert report.slots == ()
-    assert list(report.left_out) == ["Lamp"]
-    assert "instanced" in report.left_out["Lamp"]
+    assert list(report.left_out) == [lamp]
+    assert "instanced" in report.left_out[lamp]
 
 
 def test_of_more_than_eight_lights_the_brightest_at_the_paint_stay(
@@ -299,12 +340,11 @@ def test_of_more_than_eight_lights_the_brightest_at_the_paint_stay(
     for i in range(10):
         place("SUN", f"Sun {i}", energy=1 + (7 * i) % 10)
     report = fill()
-    energies = {name: bpy.data.objects[name].data.energy for name in report.slots}
-    assert len(energies) == lights.SLOTS
-    assert min(energies.values()) == 3
-    assert report.slots == tuple(sorted(report.slots))
+    assert len(report.slots) == lights.SLOTS
+    assert min(lamp.data.energy for lamp in report.slots) == 3
+    assert names(report.slots) == sorted(names(report.slots))
     assert set(report.left_out.values()) == {"8 brighter lights have the slots"}
-    assert {bpy.data.objects[name].data.energy for name in report.left_out} == {1, 2}
+    assert {lamp.data.energy for lamp in report.left_out} == {1, 2}
 
 
 @pytest.mark.parametrize(
@@ -329,7 +369,7 @@ def test_a_lamp_competes_with_its_irradiance_on_the_nearest_paint(
     for i in range(lights.SLOTS):
         place("SUN", f"Sun {i}", energy=1)
     place("POINT", "Lamp", shadow_soft_size=0, **values)
-    assert ("Lamp" in fill().slots) == stays
+    assert ("Lamp" in names(fill().slots)) == stays
 
 
 @pytest.mark.parametrize(
@@ -343,7 +383,7 @@ def test_a_spot_competes_only_where_its_cone_meets_paint(
         place("SUN", f"Sun {i}", energy=1)
     place("SPOT", "Spot", location=(0, 0, 10), rotation_euler=(tilt, 0, 0), energy=1e5,
           spot_size=1.0)  # fmt: skip
-    assert ("Spot" in fill().slots) == stays
+    assert ("Spot" in names(fill().slots)) == stays
 
 
 def test_only_paint_counts_when_lights_compete(place: Place, painted: object) -> None:
@@ -353,9 +393,9 @@ def test_only_paint_counts_when_lights_compete(place: Place, painted: object) ->
     for i in range(lights.SLOTS):
         place("SUN", f"Sun {i}", energy=1)
     place("POINT", "Lamp", location=(100, 0, 1), energy=100)
-    assert "Lamp" not in fill().slots
+    assert "Lamp" not in names(fill().slots)
     material.assign(unpainted, material.create(Paint()))
-    assert "Lamp" in fill().slots
+    assert "Lamp" in names(fill().slots)
 
 
 def test_an_instance_of_a_painted_object_counts_too(place: Place, painted: object) -> None:
@@ -371,8 +411,8 @@ def test_an_instance_of_a_painted_object_counts_too(place: Place, painted: objec
     place("POINT", "At the car", location=(100, 0, 1), energy=100)
     place("POINT", "Elsewhere", location=(0, 0, 1), energy=200)
     report = fill()
-    assert "At the car" in report.slots
-    assert "Elsewhere" in report.left_out
+    assert "At the car" in names(report.slots)
+    assert "Elsewhere" in names(report.left_out)
 
 
 # --- again and again --------------------------------------------------------------------------
@@ -385,7 +425,7 @@ def test_filling_again_leaves_nothing_of_before(place: Place, painted: object) -
     fill()
     assert len(drivers()) == 8
     bpy.data.objects.remove(sun)
-    assert fill().slots == ("B lamp",)
+    assert fill().slots == named("B lamp")
     assert slot(1)[:2] == (lights.POSITIONED, (1, 2, 3))
     assert slot(2) == (0, (0, 0, 0), 0)
     assert len(drivers()) == 4
@@ -403,6 +443,27 @@ def test_a_light_that_becomes_another_kind_is_filled_anew(place: Place, painted:
     fill()
     assert slot(1) == (lights.POSITIONED, (1, 2, 3), pytest.approx(0.5))
     assert all(driver.is_valid for driver in drivers())
+
+
+def test_a_linked_light_may_share_the_name_of_a_local_one(
+    tmp_path: Path, place: Place, painted: object
+) -> None:
+    place("AREA", "Light")
+    file = str(tmp_path / "lights.blend")
+    bpy.data.libraries.write(file, {bpy.data.objects["Light"]})
+    own = bpy.data.objects["Light"]
+    own.data.type = "SUN"
+    with bpy.data.libraries.load(file, link=True) as (there, here):
+        here.objects = there.objects
+    [linked] = here.objects
+    bpy.context.scene.collection.objects.link(linked)
+    report = fill()
+    assert linked.name == own.name
+    assert report.slots == (own,)
+    assert list(report.left_out) == [linked]
+    assert needs.fit(bpy.context.scene).other_light
+    assert str(report).splitlines()[0] == "light 1: Light"
+    assert "no sparkles from Light [lights.blend]: an area light" in str(report)
 
 
 def test_the_slots_are_those_of_the_scene_filled_last(place: Place) -> None:
@@ -443,7 +504,7 @@ def test_an_appended_paint_joins_the_lights_of_the_file(tmp_path: Path, place: P
         here.materials = there.materials
     assert len(light_groups()) == 2
     report = fill()
-    assert report == lights.Report(("Sun",), {}, ())
+    assert report == lights.Report(named("Sun"), {}, ())
     assert light_groups() == [lights.NAME]
     for paint in bpy.data.materials:
         inner = material.paint_node(paint).node_tree.nodes[lights.NAME]

@@ -12,7 +12,15 @@ import numpy as np
 import OpenImageIO
 import pytest
 from metallic_paint import lights, material, presets, shader
-from metallic_paint.paint import PANELS, PARAMETERS, Flakes, Paint, shader_value, value_of
+from metallic_paint.paint import (
+    PANELS,
+    PARAMETERS,
+    Flakes,
+    Paint,
+    PaintError,
+    shader_value,
+    value_of,
+)
 
 Render = Callable[[], np.ndarray]
 
@@ -211,6 +219,26 @@ def test_a_material_without_paint_takes_no_paint() -> None:
     plain = bpy.data.materials.new("Plain")
     with pytest.raises(ValueError, match="'Plain' has no Metallic Paint node"):
         material.apply(plain, Paint())
+
+
+@pytest.mark.parametrize(
+    ("version", "reason"),
+    [(material.VERSION - 1, "older version: update it"), (material.VERSION, "older version"),
+     (material.VERSION + 1, "newer version: update the add-on")],
+)  # fmt: skip
+def test_a_paint_of_another_version_is_neither_read_nor_changed(version: int, reason: str) -> None:
+    painted = bpy.data.materials.new("Other")
+    if painted.node_tree is None:
+        painted.use_nodes = True  # Blender 4.5
+    node = painted.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = bpy.data.node_groups.new(material.NAME, "ShaderNodeTree")
+    node.node_tree["metallic_paint"] = version
+    first = next(iter(PARAMETERS.values())).label  # apply would set it, and miss the second
+    node.node_tree.interface.new_socket(first, in_out="INPUT", socket_type="NodeSocketFloat")
+    for act in (material.paint_of, lambda each: material.apply(each, Paint())):
+        with pytest.raises(PaintError, match=f"The paint is of an? {reason}"):
+            act(painted)
+    assert node.inputs[first].default_value == 0
 
 
 def test_assigning_paints_the_whole_object(plane: bpy.types.Object) -> None:
@@ -468,3 +496,40 @@ def test_the_shader_of_an_installed_package_comes_first(
     assert shader.source() == "repository"
     (package / shader.FILE).write_text("package")
     assert shader.source() == "package"
+
+
+@pytest.mark.parametrize(
+    ("paint", "expected"),
+    [
+        (Paint(flakes_per_mm2=1e5, flake_color=(0.1, 0.2, 0.3)), (0.1, 0.2, 0.3)),
+        (Paint(flakes_per_mm2=1e5, coating="gold"), (1.0, 0.67, 0.26)),
+        (Paint(flakes_per_mm2=0, substrate_color=(0.3, 0.2, 0.1)), (0.3, 0.2, 0.1)),
+        (
+            Paint(
+                flakes_per_mm2=1e5,
+                flake_color=(0.5, 0.5, 0.5),
+                binder_absorption_per_mm=(0, 0, 100),
+                layer_thickness_um=10,
+            ),
+            (0.5, 0.5, 0.5 * np.exp(-1)),
+        ),
+    ],
+    ids=["colour", "metal", "substrate", "tinted"],
+)
+def test_the_solid_view_shows_the_paints_colour(
+    paint: Paint, expected: tuple[float, float, float]
+) -> None:
+    assert material.create(paint).diffuse_color[:3] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_material_that_is_more_than_the_paint_keeps_its_colour() -> None:
+    painted = material.create(Paint())
+    node, tree = material.paint_node(painted), painted.node_tree
+    tree.links.clear()
+    before = tuple(painted.diffuse_color)
+    material.apply(node, presets.load("candy-red"))
+    assert tuple(painted.diffuse_color) == before
+    tree.links.new(node.outputs["BSDF"], tree.nodes["Material Output"].inputs["Surface"])
+    material.apply(node, presets.load("candy-red"))
+    red, green, blue, _ = painted.diffuse_color
+    assert red > 3 * max(green, blue)

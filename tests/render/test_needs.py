@@ -182,11 +182,13 @@ def test_an_instanced_light_lights_the_mean(ball: object) -> None:
 
 
 def test_a_hidden_light_counts_only_if_it_may_appear(ball: object) -> None:
-    lamp = add_sun("Flash")
+    lamp = add_lamp("AREA", "Flash")
     lamp.hide_render = True
     assert other() == ()
     lamp.keyframe_insert("hide_render", frame=1)
     assert other() == ("lights without a slot",)
+    lamp.data.type = "SUN"
+    assert other() == ()  # it has a slot, and sparkles when it appears
 
 
 # --- neighbours -------------------------------------------------------------------------------
@@ -499,7 +501,7 @@ def test_without_a_light_that_sparkles_the_slots_are_not_missed() -> None:
     needs.fit(scene)
     without = picture(scene, other_light=True, seed=1)
     verify_scenes.sun("Dark", 60, 110)(scene).data.energy = 0
-    assert needs.fit(scene).lights.slots == ("Dark",)
+    assert needs.fit(scene).lights.slots == (scene.objects["Dark"],)
     expect_same(without, picture(scene, other_light=True, seed=2))
 
 
@@ -516,7 +518,7 @@ def test_twenty_lights_are_the_sum_of_those_that_sparkle_and_those_that_do_not()
     parts = np.zeros_like(whole)
     for seed, shown in enumerate((found.lights.slots, tuple(found.lights.left_out)), 2):
         for lamp in names:
-            scene.objects[lamp].hide_render = lamp not in shown
+            scene.objects[lamp].hide_render = scene.objects[lamp] not in shown
         parts += picture(scene, other_light=True, seed=seed)
     expect_same(whole, parts, noise=0.03)
     # And without a slot each sun lights the mean: the same light, the slots empty.

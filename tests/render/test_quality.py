@@ -121,6 +121,15 @@ def test_reference_names_what_is_none(registered: None) -> None:
     assert node.inputs["Radiometry"].default_value == 1
 
 
+def test_reference_names_a_paint_of_an_older_version() -> None:
+    scene = build()
+    group = material.paint_node(scene.objects["Ball"].active_material).node_tree
+    group["metallic_paint"] = material.VERSION - 1
+    group.interface.clear()
+    said = quality.apply(scene, "REFERENCE")
+    assert "Silver: The paint is of an older version: update it first." in said
+
+
 def test_an_unknown_quality_and_another_engine_are_refused(registered: None) -> None:
     scene = build()
     with pytest.raises(ValueError, match="quality is 'BEST' and must be one of DRAFT, FINAL, REF"):

@@ -136,8 +136,8 @@ def test_the_device_and_the_shading_language_are_named(monkeypatch: pytest.Monke
     assert "Open Shading Language is off" in said(scene, "ERROR")
     scene.cycles.shading_system = True
     scene.cycles.device = "GPU"
-    monkeypatch.setattr(scene_report, "_gpu", lambda: "HIP")
-    assert "HIP, which has no OSL" in said(scene, "ERROR")
+    monkeypatch.setattr(material, "gpu", lambda _: "HIP")
+    assert "HIP, which has no Open Shading Language" in said(scene, "ERROR")
     scene.render.engine = "BLENDER_WORKBENCH"
     assert "does not render with Cycles" in said(scene, "ERROR")
 
@@ -179,6 +179,41 @@ def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
     assert "No object that renders is painted" in bad(scene)
 
 
+def test_paint_on_instances_alone_is_said() -> None:
+    scene = build()
+    ball = scene.objects["Ball"]
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(ball)
+    scene.collection.objects.unlink(ball)
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(empty)
+    assert "Painted only as instances: nothing can be foretold." in said(scene, "INFO")
+    assert "No object that renders is painted" not in bad(scene)
+
+
+def test_several_scenes_with_paints_are_warned_of() -> None:
+    scene = build()
+    other = bpy.data.scenes.new("Other")
+    assert bad(scene) == ""
+    collection = bpy.data.collections.new("Balls")
+    collection.objects.link(scene.objects["Ball"])
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    other.collection.objects.link(empty)
+    assert "More than one scene uses paints" in bad(scene)
+
+
+def test_a_lamp_hidden_at_this_frame_is_foretold_no_sparkles() -> None:
+    scene = build()
+    sun = scene.objects["Sun"]
+    sun.keyframe_insert("hide_render", frame=1)
+    assert bad(scene) == ""
+    sun.hide_render = True
+    sun.keyframe_insert("hide_render", frame=1)
+    assert "no sparkle is to be expected" in bad(scene)
+
+
 def test_without_the_native_module_flakes_are_counted_and_the_reason_is_said(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -196,6 +231,20 @@ def test_values_that_no_paint_can_have_are_named() -> None:
     node.inputs["Flake Color"].default_value = (1, 1, 1, 1)
     node.inputs["Flake Transmission"].default_value = (1, 1, 1, 1)
     assert "Ball: flake_color[0] + flake_transmission[0]" in said(scene, "ERROR")
+
+
+def test_an_older_paint_is_named_and_the_others_are_reported_on() -> None:
+    scene = build()
+    thing = scene.objects["Ball"]
+    older = thing.active_material.copy()
+    older.name = "Older"
+    node = material.paint_node(older)
+    node.node_tree = node.node_tree.copy()
+    node.node_tree["metallic_paint"] = material.VERSION - 1
+    node.node_tree.interface.clear()
+    thing.data.materials.append(older)
+    assert bad(scene) == "Ball, Older: The paint is of an older version: update it first."
+    assert "Ball, Metallic Paint: " in said(scene, "INFO")
 
 
 def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:

@@ -15,8 +15,8 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp
-from metallic_paint import material, presets, verify_operator
+from lamps import add_lamp, link_namesake
+from metallic_paint import material, presets, verify, verify_operator, verify_process
 from recording import drawn
 
 SIZE = 40
@@ -148,6 +148,33 @@ def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
     assert "DO NOT agree" in str(found)
 
 
+def test_lamps_that_share_a_name_are_lit_one_by_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = build()
+    for name in ("Sun", "Spot", "Area"):
+        bpy.data.objects.remove(scene.objects[name])
+    own = scene.objects["Point"]
+    linked = link_namesake(own, tmp_path / "lamps.blend")
+    own.location.x = 0.2
+    hidden = add_lamp("POINT", "Hidden", location=(0.2, -0.3, 0.3), hide_render=True)
+    hidden.animation_data_create()  # may show it in another frame
+    for lamp in (linked, own):
+        assert verify_process.find("objects", lamp.name_full) == lamp
+    lit = []
+    image = verify_operator._Probe.image
+
+    def watched(probe: object, diagnostic: int, *rest: int) -> np.ndarray:
+        if diagnostic == verify.SPARKLES:
+            lit.append([lamp for lamp in (own, linked, hidden) if not lamp.hide_render])
+        return image(probe, diagnostic, *rest)
+
+    monkeypatch.setattr(verify_operator._Probe, "image", watched)
+    thing = scene.objects["Monkey"]
+    verify_operator.check(scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None)
+    assert sorted(lit, key=lambda lamps: lamps != [own]) == [[own], [linked]]
+
+
 def test_progress_is_told_and_a_stopped_job_leaves_nothing() -> None:
     scene = build()
     job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
@@ -209,6 +236,24 @@ def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
     assert "Metallic Paint Core" in bpy.data.images
 
 
+@pytest.mark.parametrize(
+    "error", [FileNotFoundError("pictures.npy"), ValueError("cut off"), EOFError("No data left")]
+)
+def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
+    operator: SimpleNamespace, error: Exception
+) -> None:
+    def pictures() -> None:
+        raise error
+
+    closed = []
+    job = SimpleNamespace(poll=lambda: True, pictures=pictures, close=lambda: closed.append(True))
+    verify_operator._running.append(job)
+    assert operator.send("TIMER") == {"CANCELLED"}
+    assert operator.reported == [str(error)]
+    assert closed
+    assert not verify_operator._running
+
+
 def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     scene = build()
     job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
@@ -217,6 +262,23 @@ def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     assert not verify_operator._running
     assert not job.folder.exists()
     assert job._process.returncode is not None
+
+
+def test_what_shows_as_instances_alone_is_said() -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    thing.hide_render = True
+    with pytest.raises(verify_operator.VerifyError, match=r"Monkey does not render\."):
+        verify_operator.run(scene, thing, SIZE)
+    thing.hide_render = False
+    collection = bpy.data.collections.new("Monkeys")
+    collection.objects.link(thing)
+    scene.collection.objects.unlink(thing)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    scene.collection.objects.link(instance)
+    with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
+        verify_operator.run(scene, thing, SIZE)
 
 
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
