@@ -48,7 +48,7 @@ def why_not(scene: bpy.types.Scene) -> str:
     """What keeps set_up from it, in a sentence; empty where nothing does."""
     if not scene.is_editable:
         return "The scene is linked from another file and cannot be changed"
-    if scene.render.engine != "CYCLES":
+    if scene.render.engine != "CYCLES" or not hasattr(scene, "cycles"):
         return "The scene does not render with Cycles"
     if names := _foreign_nodes(_tree(scene)):
         return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
@@ -86,6 +86,8 @@ def outdated(scene: bpy.types.Scene) -> str:
 def _why_not_remove(scene: bpy.types.Scene) -> str:
     if not scene.is_editable:
         return "The scene is linked from another file and cannot be changed"
+    if not hasattr(scene, "cycles"):
+        return "Enable the add-on Cycles Render Engine first"
     if not is_set_up(scene):
         return "Denoising that keeps the sparkles is not set up in this scene"
     if names := _foreign_nodes(_tree(scene)):

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+import addon_utils
 import bpy
 import numpy as np
 import panels
@@ -215,6 +216,23 @@ def test_another_engine_is_refused_and_nothing_changes(registered: None) -> None
     with pytest.raises(denoise.DenoiseError, match="The scene does not render with Cycles"):
         denoise.set_up(scene)
     assert state(scene) == before
+
+
+def test_without_the_add_on_of_cycles_nothing_is_set_up_or_taken_back(registered: None) -> None:
+    scene = build()
+    denoise.set_up(scene)
+    addon_utils.disable("cycles")
+    try:
+        with pytest.raises(RuntimeError, match="The scene does not render with Cycles"):
+            bpy.ops.scene.metallic_paint_denoise()
+        with pytest.raises(RuntimeError, match="Enable the add-on Cycles Render Engine first"):
+            bpy.ops.scene.metallic_paint_denoise_remove()
+        assert (
+            "does not render with Cycles"
+            in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
+        )
+    finally:
+        addon_utils.enable("cycles")
 
 
 @pytest.mark.parametrize("step", ["_compose", "node_group", "_mix", "_painted", "_lay_out"])
