@@ -2,14 +2,16 @@
 """Lights that follow by themselves: the paints are fitted to the scene again when it changed.
 
 Handlers only start a timer, which fits once the scene has been at rest for a moment. Without a
-window there are no timers, and the handler fits at once. A render of a scene that is not fitted
-fits it first; while Cycles renders, nothing happens: drivers do what an animation needs.
+window there are no timers, and the handler fits at once, before a render too. While Cycles renders,
+nothing happens: drivers do what an animation needs.
 
 Undo frees lamps. What points at them in a group that both of its steps share would outlive them, so
 the slots let go before. (A step of undo for each fit would end redo.)
 """
 
 from __future__ import annotations
+
+import threading
 
 import bpy
 from bpy.app.handlers import persistent
@@ -77,7 +79,8 @@ def _before_saving(*_: object) -> None:
 
 @persistent
 def _render_begins(scene: bpy.types.Scene, *_: object) -> None:
-    if lights.uses_paint(scene):
+    # A window renders in a thread of its own, where nothing may be changed.
+    if threading.current_thread() is threading.main_thread() and lights.uses_paint(scene):
         _fit(scene)
     _state["rendering"] = True
 
