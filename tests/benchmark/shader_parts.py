@@ -85,19 +85,21 @@ def one_slot(text: str) -> str:
 
 def no_library(text: str) -> str:
     text = cut("  if (coating.kind > COATING_COLORS) {", "  float x = max(1.0 - cos_alpha")(text)
-    text = cut("  if (!is_clear(coating.kind))", "}", "  return coating.transmittance;\n")(text)
+    text = cut("  if (!is_clear(coating.kind))\n    return color(0.0)", "}",
+               "  return coating.transmittance;\n")(text)  # fmt: skip
+    text = cut("  float variance = mirrored.cos2_alpha", "}", "  return color(0.0);\n")(text)
     return re.sub(r"(float CoatingLibrary\[\] = \{).*?\}", r"\1 0.0 }", text, flags=re.DOTALL)
 
 
 def no_diagnostics(text: str) -> str:
-    return re.sub(r"\bDiagnostic (!=|==) SHOW_", r"0 \1 SHOW_", text)
+    return re.sub(r"\bDiagnostic (!=|==|>=|<|>) SHOW_", r"0 \1 SHOW_", text)
 
 
 PARTS: dict[str, Text] = {
     "second and third species": one_species,
     "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
     "light slots 2 to 8": one_slot,
-    "texture": cut("  if (TextureContrast > 0.0) {", "  SeenLight seen"),
+    "texture": cut("  if (TextureContrast > 0.0)", "  diffused = diffused * grain"),
     "orange peel": cut("  if (slope > 0.0)", "  float cos_view"),
     "published composition": cut("      if (Composition ==", "      if (Diagnostic == SHOW_IRR"),
     "coating library": no_library,
