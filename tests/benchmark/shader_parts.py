@@ -229,8 +229,8 @@ def main() -> int:
 
 def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]:
     bench = Bench(size)
-    no_mixture = cut("  color diffused = mixture", "  if (TextureContrast",
-                     "  color diffused = substrate;\n")  # fmt: skip
+    no_mixture = cut("    scattered = mixture(", "  color glossed",
+                     "    scattered.diffuse_albedo = substrate;\n")  # fmt: skip
     variants = {name: bench.painted(edit) for name, edit in chosen.items()}
     variants["the paint again, for noise"] = bench.painted()
     variants["mixture (present; cut)"] = bench.painted(no_mixture)
