@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The flakes under light that is no sparkling one (world, area lights, neighbours): their mean, as
-// one random flake for each sample of a renderer, whose mirror direction is followed.
+// random flakes for each sample of a renderer, whose mirror directions are followed.
 #pragma once
 
 #include <algorithm>
