@@ -394,13 +394,19 @@ struct Mixture {
   float alpha;
 };
 
+Mixture no_mixture()
+{
+  Mixture none;
+  none.diffuse_albedo = color(0.0);
+  none.glossy_albedo = color(0.0);
+  none.alpha = 1.0;
+  return none;
+}
+
 Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slant_view, color substrate,
                 float cos_view)
 {
-  Mixture sum;
-  sum.diffuse_albedo = color(0.0);
-  sum.glossy_albedo = color(0.0);
-  sum.alpha = 1.0;
+  Mixture sum = no_mixture();
   float eta = layer.eta;
   float g = eta_cos_refracted(cos_view, eta);
   if (!(cos_view > LEAST_COSINE) || !(g > 0.0))

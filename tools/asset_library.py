@@ -18,7 +18,7 @@ import bpy  # noqa: E402
 import gallery_scenes as scenes  # noqa: E402
 import numpy as np  # noqa: E402
 import render_scene  # noqa: E402
-from metallic_paint import material, presets  # noqa: E402
+from metallic_paint import material, operators, presets  # noqa: E402
 
 PIXELS = 128
 SAMPLES = 32
@@ -51,7 +51,7 @@ def write_library(folder: Path, swatches: Path) -> None:
     paints = set()
     for name in presets.names():
         content = json.loads((presets.FOLDER / f"{name}.json").read_text(encoding="utf-8"))
-        painted = material.create(presets.load(name), name.replace("-", " ").title())
+        painted = material.create(presets.load(name), operators.title(name))
         painted.asset_mark()
         painted.asset_data.catalog_id = CATALOG
         painted.asset_data.description = content["description"]

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 
-from . import lights, needs
-from .panel import draw_lines
+from . import lights, needs, operators
+from .panel import SubPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -47,12 +47,12 @@ class DenoiseError(RuntimeError):
 def why_not(scene: bpy.types.Scene) -> str:
     """What keeps set_up from it, in a sentence; empty where nothing does."""
     if not scene.is_editable:
-        return "The scene is linked from another file and cannot be changed"
+        return operators.LINKED.format("scene")
     if scene.render.engine != "CYCLES" or not hasattr(scene, "cycles"):
         return "The scene does not render with Cycles"
-    if names := _foreign_nodes(_tree(scene)):
-        return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
-    if sum(layer.use for layer in scene.view_layers) != 1:
+    if foreign := _foreign_nodes(scene):
+        return foreign
+    if len(lights.used_layers(scene)) != 1:
         return "One view layer must render: compositing several is the artist's choice"
     if names := [name for name in _painted() if not _in_cryptomatte(name)]:
         listed = ", ".join(f"“{name}”" for name in names)
@@ -85,14 +85,12 @@ def outdated(scene: bpy.types.Scene) -> str:
 
 def _why_not_remove(scene: bpy.types.Scene) -> str:
     if not scene.is_editable:
-        return "The scene is linked from another file and cannot be changed"
+        return operators.LINKED.format("scene")
     if not hasattr(scene, "cycles"):
-        return "Enable the add-on Cycles Render Engine first"
+        return operators.NO_CYCLES
     if not is_set_up(scene):
         return "Denoising that keeps the sparkles is not set up in this scene"
-    if names := _foreign_nodes(_tree(scene)):
-        return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
-    return ""
+    return _foreign_nodes(scene)
 
 
 def is_set_up(scene: bpy.types.Scene) -> bool:
@@ -266,13 +264,17 @@ def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
 
 def _layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
     """The one that renders."""
-    return next(layer for layer in scene.view_layers if layer.use)
+    return lights.used_layers(scene)[0]
 
 
-def _foreign_nodes(tree: bpy.types.NodeTree | None) -> list[str]:
-    """Nodes that do something and are not ours, even if the tree is switched off."""
+def _foreign_nodes(scene: bpy.types.Scene) -> str:
+    """Names those that do something and are not ours, even if the tree is switched off."""
+    tree = _tree(scene)
     nodes = tree.nodes if tree is not None else ()
-    return [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
+    names = [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
+    if not names:
+        return ""
+    return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
 
 
 def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> None:
@@ -422,13 +424,8 @@ class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MATERIAL_PT_metallic_paint_denoise(bpy.types.Panel):
+class MATERIAL_PT_metallic_paint_denoise(SubPanel):
     bl_label = "Denoising"
-    bl_parent_id = "MATERIAL_PT_metallic_paint"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()

@@ -85,7 +85,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     """
     group = _one_group()
     _clear(group)
-    layers = [layer for layer in scene.view_layers if layer.use]
+    layers = used_layers(scene)
     for layer in layers:
         layer.update()
     matrices = _rendered_lights(layers)
@@ -245,6 +245,11 @@ def _drive(
 
 
 # --- which lights ------------------------------------------------------------------------------
+
+
+def used_layers(scene: bpy.types.Scene) -> list[bpy.types.ViewLayer]:
+    """Those that a render makes."""
+    return [layer for layer in scene.view_layers if layer.use]
 
 
 def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.types.Object]:

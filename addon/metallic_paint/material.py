@@ -102,13 +102,13 @@ _EXTRAS = {
 
 def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
     """A new material with the paint's values."""
-    node_group()  # raises before anything is made
+    group = node_group()
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True  # Blender 4.5
     nodes = material.node_tree.nodes
     nodes.clear()
-    node = _new_node(material.node_tree)
+    node = _new_node(material.node_tree, group)
     out = nodes.new("ShaderNodeOutputMaterial")
     out.location.x = 300
     material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
@@ -118,13 +118,14 @@ def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
 
 def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGroup:
     """A new node with the paint's values, not yet connected."""
-    node = _new_node(tree)
+    node = _new_node(tree, node_group())
     apply(node, paint)
     return node
 
 
-def _new_node(tree: bpy.types.NodeTree) -> bpy.types.ShaderNodeGroup:
-    group = node_group()
+def _new_node(
+    tree: bpy.types.NodeTree, group: bpy.types.ShaderNodeTree
+) -> bpy.types.ShaderNodeGroup:
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.name = NAME

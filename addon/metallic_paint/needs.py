@@ -100,7 +100,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
 
     Places of lamps and paints, and the form of a mesh, count only where fit asks for them.
     """
-    layers = [layer for layer in scene.view_layers if layer.use]
+    layers = lights.used_layers(scene)
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
     overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
@@ -183,7 +183,7 @@ def _world_override(layer: bpy.types.ViewLayer) -> bpy.types.World | None:
 
 
 def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]:
-    layers = [layer for layer in scene.view_layers if layer.use]
+    layers = lights.used_layers(scene)
     things = _things(layers)
     shapes = _shapes(things)
     if not any(map(lights.is_painted, shapes)):

@@ -27,11 +27,23 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     return active if active in paints else next(iter(paints), None)
 
 
+NO_CYCLES = "Enable the add-on Cycles Render Engine first"
+LINKED = "The {} is linked from another file and cannot be changed"
+
+
 def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """For a poll: without Cycles, an add-on of its own, no paint compiles or is fitted."""
     if hasattr(context.scene, "cycles"):
         return True
-    operator.poll_message_set("Enable the add-on Cycles Render Engine first")
+    operator.poll_message_set(NO_CYCLES)
+    return False
+
+
+def can_change(operator: type[bpy.types.Operator], datablock: bpy.types.ID, what: str) -> bool:
+    """For a poll."""
+    if datablock.is_editable:
+        return True
+    operator.poll_message_set(LINKED.format(what))
     return False
 
 
@@ -80,7 +92,7 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
         slots, active = thing.material_slots, thing.active_material_index
         by_object = active < len(slots) and slots[active].link == "OBJECT"
         if not thing.is_editable or not (thing.data.is_editable or by_object):
-            cls.poll_message_set("The object is linked from another file and cannot be changed")
+            cls.poll_message_set(LINKED.format("object"))
             return False
         return True
 
@@ -111,8 +123,7 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
         if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
             cls.poll_message_set("Open a material in a shader editor")
             return False
-        if not tree.is_editable:
-            cls.poll_message_set("The material is linked from another file and cannot be changed")
+        if not can_change(cls, tree, "material"):
             return False
         if material.version(tree) or tree in lights.groups():
             cls.poll_message_set("A paint cannot stand within a paint")
@@ -167,12 +178,7 @@ class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not has_cycles(cls, context):
-            return False
-        if not context.scene.is_editable:
-            cls.poll_message_set("The scene is linked from another file and cannot be changed")
-            return False
-        return True
+        return has_cycles(cls, context) and can_change(cls, context.scene, "scene")
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         material.set_up_cycles(context.scene)

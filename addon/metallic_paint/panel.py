@@ -78,13 +78,18 @@ class MATERIAL_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
         return thing is not None and thing.type in operators.PAINTABLE
 
 
-class MATERIAL_PT_metallic_paint_choices(bpy.types.Panel):
-    bl_label = "Choices"
+class SubPanel(bpy.types.Panel):
+    """What the panels below the one in material properties share."""
+
     bl_parent_id = "MATERIAL_PT_metallic_paint"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "material"
     bl_options = {"DEFAULT_CLOSED"}
+
+
+class MATERIAL_PT_metallic_paint_choices(SubPanel):
+    bl_label = "Choices"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -7,9 +7,8 @@ put there. A swatch is a picture beside the presets that ship; without it the en
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import bpy
 import bpy.utils.previews
@@ -59,10 +58,8 @@ def swatch(name: str) -> int:
     return pictures[name].icon_id
 
 
-class _OnPaint:
+class _OnPaint(bpy.types.Operator):
     """For operators on the paint of the active material."""
-
-    poll_message_set: ClassVar[Callable[..., None]]  # of the operators
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -70,10 +67,7 @@ class _OnPaint:
         if node is None:
             cls.poll_message_set("The active material has no metallic paint")
             return False
-        if not node.id_data.is_editable:
-            cls.poll_message_set("The material is linked from another file and cannot be changed")
-            return False
-        return True
+        return operators.can_change(cls, node.id_data, "material")
 
 
 def _apply(
@@ -87,7 +81,7 @@ def _apply(
     return {"FINISHED"}
 
 
-class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint, bpy.types.Operator):
+class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint):
     """Give the active material's paint the values of this preset"""
 
     bl_idname = "material.metallic_paint_apply_preset"
@@ -102,7 +96,7 @@ class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint, bpy.types.Operator):
 
 # The stubs have check and invoke of these helpers return nothing.
 class MATERIAL_OT_metallic_paint_load_preset(  # type: ignore[misc]
-    _OnPaint, bpy.types.Operator, ImportHelper
+    _OnPaint, ImportHelper
 ):
     """Give the active material's paint the values of a preset's file"""
 

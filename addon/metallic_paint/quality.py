@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
-from . import lights, material
+from . import lights, material, operators
 from .paint import PaintError
-from .panel import draw_lines
+from .panel import SubPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -74,17 +74,28 @@ def apply(scene: bpy.types.Scene, quality: str) -> list[str]:
         raise ValueError(f"quality is {quality!r} and must be one of {', '.join(QUALITIES)}.")
     cycles = scene.cycles
     changed = []
-    for name, value in QUALITIES[quality].settings.items():
+    for name, value in _others(scene, quality):
         was = getattr(cycles, name)
-        if abs(was - value) > 1e-6:
-            setattr(cycles, name, value)
-            label = cycles.bl_rna.properties[name].name
-            changed.append(f"{label}: {_shown(was)} → {_shown(value)}.")
+        setattr(cycles, name, value)
+        label = cycles.bl_rna.properties[name].name
+        changed.append(f"{label}: {_shown(was)} → {_shown(value)}.")
     if quality == "REFERENCE":
         changed += _inexact_paints(scene)
         if cycles.use_denoising:
             changed.append("Denoising stays on: a reference has none.")
     return changed or ["All settings are so already."]
+
+
+def is_set(scene: bpy.types.Scene, quality: str) -> bool:
+    """Whether the scene has all settings of that quality."""
+    return not _others(scene, quality)
+
+
+def _others(scene: bpy.types.Scene, quality: str) -> list[tuple[str, bool | int | float]]:
+    """The settings of a quality that the scene has otherwise."""
+    settings = QUALITIES[quality].settings.items()
+    return [(name, value) for name, value in settings
+            if abs(getattr(scene.cycles, name) - value) > 1e-6]  # fmt: skip
 
 
 def _shown(value: bool | int | float) -> str:
@@ -94,7 +105,7 @@ def _shown(value: bool | int | float) -> str:
 
 
 def _inexact_paints(scene: bpy.types.Scene) -> Iterator[str]:
-    layers = [layer for layer in scene.view_layers if layer.use]
+    layers = lights.used_layers(scene)
     things = {thing: None for layer in layers for thing in lights.rendered(layer)}
     slots = [slot.material for thing in things for slot in thing.material_slots]
     for painted in dict.fromkeys(slots):
@@ -139,10 +150,7 @@ class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
         if context.scene.render.engine != "CYCLES":
             cls.poll_message_set("The scene does not render with Cycles")
             return False
-        if not context.scene.is_editable:
-            cls.poll_message_set("The scene is linked from another file and cannot be changed")
-            return False
-        return True
+        return operators.can_change(cls, context.scene, "scene")
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         for sentence in apply(context.scene, self.quality):
@@ -150,13 +158,8 @@ class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MATERIAL_PT_metallic_paint_quality(bpy.types.Panel):
+class MATERIAL_PT_metallic_paint_quality(SubPanel):
     bl_label = "Quality"
-    bl_parent_id = "MATERIAL_PT_metallic_paint"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -168,11 +171,6 @@ class MATERIAL_PT_metallic_paint_quality(bpy.types.Panel):
         for key in QUALITIES:
             row.operator(name, text=key.title(), depress=is_set(context.scene, key)).quality = key
         draw_lines(self.layout, "Sets samples, noise threshold and clamping. The paints stay.")
-
-
-def is_set(scene: bpy.types.Scene, quality: str) -> bool:
-    settings = QUALITIES[quality].settings
-    return all(abs(getattr(scene.cycles, name) - value) <= 1e-6 for name, value in settings.items())
 
 
 register, unregister = bpy.utils.register_classes_factory(

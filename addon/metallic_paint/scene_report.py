@@ -19,7 +19,7 @@ from mathutils.interpolate import poly_3d_calc
 
 from . import denoise, lights, material, needs, operators, verify
 from .paint import Paint, PaintError, core_paint
-from .panel import draw_lines
+from .panel import SubPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import IconItems, OperatorReturnItems
@@ -75,7 +75,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
-    layers = [layer for layer in scene.view_layers if layer.use]
+    layers = lights.used_layers(scene)
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
     if not painted:
@@ -85,15 +85,11 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         else:
             lines.append((WARNING, "No object that renders is painted."))
     if sum(map(lights.uses_paint, bpy.data.scenes)) > 1:
-        lines.append(
-            (
-                WARNING,
-                (
-                    "More than one scene uses paints, which have the lights of one at a time: "
-                    "without this add-on, the scene that was fitted or saved last."
-                ),
-            )
+        text = (
+            "More than one scene uses paints, which have the lights of one at a time: "
+            "without this add-on, the scene that was fitted or saved last."
         )
+        lines.append((WARNING, text))
     brightest = 0.0
     for thing in painted:
         found, brightness = _about(scene, shown[thing], thing, fitted.lights.slots)
@@ -426,10 +422,8 @@ and which settings would spoil them"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not context.scene.is_editable:
-            cls.poll_message_set("The scene is linked from another file and cannot be changed")
-            return False
-        return operators.has_cycles(cls, context)
+        editable = operators.can_change(cls, context.scene, "scene")
+        return editable and operators.has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         lines = report(context.scene)
@@ -442,13 +436,8 @@ and which settings would spoil them"""
         return {"FINISHED"}
 
 
-class MATERIAL_PT_metallic_paint_report(bpy.types.Panel):
+class MATERIAL_PT_metallic_paint_report(SubPanel):
     bl_label = "Scene Report"
-    bl_parent_id = "MATERIAL_PT_metallic_paint"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.operator(SCENE_OT_metallic_paint_report.bl_idname)

@@ -26,7 +26,7 @@ from bpy.props import IntProperty
 
 from . import lights, material, scene_report, shader, verify
 from .paint import PaintError, core_paint
-from .panel import draw_lines
+from .panel import SubPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -571,13 +571,8 @@ def _redraw(context: bpy.types.Context) -> None:
                 area.tag_redraw()
 
 
-class MATERIAL_PT_metallic_paint_verify(bpy.types.Panel):
+class MATERIAL_PT_metallic_paint_verify(SubPanel):
     bl_label = "Verify"
-    bl_parent_id = "MATERIAL_PT_metallic_paint"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

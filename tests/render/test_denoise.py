@@ -17,9 +17,9 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp, link_namesake
 from metallic_paint import denoise, material, presets, scene_report, verify
 from recording import drawn
+from scenery import add_lamp, link_namesake, show_as_instance
 
 SIZE = 80
 SAMPLES, REFERENCE_SAMPLES = 32, 512
@@ -91,7 +91,7 @@ def sparkles_alone(scene: bpy.types.Scene) -> np.ndarray:
     scene.objects["Area"].hide_render = True
     world, scene.world = scene.world, None
     scene.objects["Plane"].visible_camera = False
-    node.inputs["Diagnostic"].default_value = 11
+    node.inputs["Diagnostic"].default_value = verify.SPARKLES
     try:
         return picture(scene, REFERENCE_SAMPLES, 99)
     finally:
@@ -305,12 +305,7 @@ def test_what_came_since_is_told_until_one_presses_again(registered: None) -> No
 def test_sparkles_of_instances_pass_by_the_denoiser_too() -> None:
     scene = build()
     ball = scene.objects["Sphere"]
-    collection = bpy.data.collections.new("Balls")
-    collection.objects.link(ball)
-    scene.collection.objects.unlink(ball)
-    instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    scene.collection.objects.link(instance)
+    show_as_instance(ball)
     denoise.set_up(scene)
     mattes = [n.matte_id for n in denoise._tree(scene).nodes if n.type == "CRYPTOMATTE_V2"]
     assert mattes == [ball.active_material.name]

@@ -13,10 +13,10 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
-from lamps import add_lamp
 from mathutils import Euler, Matrix, Vector
 from metallic_paint import lights, material, needs, shader
 from metallic_paint.paint import Paint
+from scenery import add_lamp, show_as_instance
 
 Place = Callable[..., bpy.types.Object]
 EPSILON = 2e-6  # of a direction in single precision
@@ -322,12 +322,7 @@ def test_lights_of_every_view_layer_have_slots(place: Place) -> None:
 
 def test_an_instanced_light_is_told(place: Place) -> None:
     lamp = place("POINT", "Lamp")
-    collection = bpy.data.collections.new("Lamps")
-    bpy.context.scene.collection.objects.unlink(lamp)
-    collection.objects.link(lamp)
-    empty = bpy.data.objects.new("Instancer", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(empty)
+    show_as_instance(lamp)
     report = fill()
     assert report.slots == ()
     assert list(report.left_out) == [lamp]
@@ -399,13 +394,8 @@ def test_only_paint_counts_when_lights_compete(place: Place, painted: object) ->
 
 
 def test_an_instance_of_a_painted_object_counts_too(place: Place, painted: object) -> None:
-    collection = bpy.data.collections.new("Cars")
-    collection.objects.link(painted)
-    bpy.context.scene.collection.objects.unlink(painted)
+    show_as_instance(painted).location.x = 100
     paint_quad("Plain").data.materials.clear()
-    car = bpy.data.objects.new("Car", None)
-    car.instance_type, car.instance_collection, car.location.x = "COLLECTION", collection, 100
-    bpy.context.scene.collection.objects.link(car)
     for i in range(lights.SLOTS):
         place("SUN", f"Sun {i}", energy=1)
     place("POINT", "At the car", location=(100, 0, 1), energy=100)

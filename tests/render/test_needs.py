@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 import pytest
 import verify_scenes
-from lamps import add_lamp
 from mathutils import Matrix
 from metallic_paint import lights, material, needs, verify
 from metallic_paint.paint import Paint
+from scenery import add_lamp, show_as_instance
 
 STANDARD_ERRORS = 4.0  # two-sided: passed by chance once in 16,000
 SIZE = 48
@@ -171,13 +171,7 @@ def test_lights_beyond_the_slots_light_the_mean(ball: object) -> None:
 
 
 def test_an_instanced_light_lights_the_mean(ball: object) -> None:
-    lamp = add_lamp("POINT", "Lamp", location=(0, 0, 5))
-    collection = bpy.data.collections.new("Lamps")
-    bpy.context.scene.collection.objects.unlink(lamp)
-    collection.objects.link(lamp)
-    empty = bpy.data.objects.new("Instancer", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(empty)
+    show_as_instance(add_lamp("POINT", "Lamp", location=(0, 0, 5)))
     assert "lights without a slot" in other()
 
 

@@ -14,8 +14,8 @@ import environments
 import numpy as np
 import OpenImageIO
 import pytest
-from lamps import add_lamp
 from metallic_paint import material, needs, presets, verify
+from scenery import add_lamp
 
 SIZE = 64
 FRAMES = (1, 20)

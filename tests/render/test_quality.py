@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp
 from metallic_paint import material, needs, presets, quality, verify
 from recording import drawn
+from scenery import add_lamp
 
 SIZE = 28
 

@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp
 from metallic_paint import denoise, lights, material, presets, scene_report, verify
 from recording import drawn
+from scenery import add_lamp, show_as_instance
 
 SIZE = 64
 
@@ -181,13 +181,7 @@ def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
 
 def test_paint_on_instances_alone_is_said() -> None:
     scene = build()
-    ball = scene.objects["Ball"]
-    collection = bpy.data.collections.new("Balls")
-    collection.objects.link(ball)
-    scene.collection.objects.unlink(ball)
-    empty = bpy.data.objects.new("Instancer", None)
-    empty.instance_type, empty.instance_collection = "COLLECTION", collection
-    scene.collection.objects.link(empty)
+    show_as_instance(scene.objects["Ball"])
     assert "Painted only as instances: nothing can be foretold." in said(scene, "INFO")
     assert "No object that renders is painted" not in bad(scene)
 

@@ -15,9 +15,9 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from lamps import add_lamp, link_namesake
 from metallic_paint import material, presets, verify, verify_operator, verify_process
 from recording import drawn
+from scenery import add_lamp, link_namesake, show_as_instance
 
 SIZE = 40
 
@@ -271,12 +271,7 @@ def test_what_shows_as_instances_alone_is_said() -> None:
     with pytest.raises(verify_operator.VerifyError, match=r"Monkey does not render\."):
         verify_operator.run(scene, thing, SIZE)
     thing.hide_render = False
-    collection = bpy.data.collections.new("Monkeys")
-    collection.objects.link(thing)
-    scene.collection.objects.unlink(thing)
-    instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    scene.collection.objects.link(instance)
+    show_as_instance(thing)
     with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
         verify_operator.run(scene, thing, SIZE)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lamps for the tests' scenes."""
+"""What the tests' scenes are made of."""
 
 from __future__ import annotations
 
@@ -15,6 +15,17 @@ def add_lamp(kind: str, name: str, **values: object) -> bpy.types.Object:
     for key, value in values.items():
         setattr(lamp.data if hasattr(lamp.data, key) else lamp, key, value)
     return lamp
+
+
+def show_as_instance(thing: bpy.types.Object) -> bpy.types.Object:
+    """Takes the thing out of the scene, where an empty shows it; returns the empty."""
+    collection = bpy.data.collections.new("Instanced")
+    collection.objects.link(thing)
+    bpy.context.scene.collection.objects.unlink(thing)
+    empty = bpy.data.objects.new("Instancer", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    return empty
 
 
 def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
