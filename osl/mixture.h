@@ -93,8 +93,9 @@ struct Mirroring {
   float cone;
   float escaping;
   float cos_alpha;
+  float cos_exit;
   float cos2_alpha;
-  float exit_path;
+  float cos_alpha_exit;
 };
 
 Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float cos_in, float eta)
@@ -103,8 +104,9 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   sum.cone = 0.0;
   sum.escaping = 0.0;
   sum.cos_alpha = 0.0;
+  sum.cos_exit = 0.0;
   sum.cos2_alpha = 0.0;
-  sum.exit_path = 0.0;
+  sum.cos_alpha_exit = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -163,15 +165,15 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
           cos_phi = 1.0 - 2.0 * half_sine * half_sine;
         }
         float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
-        float cos_out = min(a + b * cos_phi, 1.0);
+        float cos_exit = min(a + b * cos_phi, 1.0);
         float share = ring * cos_alpha;
-        float path = share * escape_over_cosine(cos_out, eta);
-        float escaping = path * cos_out;
+        float escaping = share * (escape_over_cosine(cos_exit, eta) * cos_exit);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
+        sum.cos_exit = sum.cos_exit + escaping * cos_exit;
         sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
-        sum.exit_path = sum.exit_path + path;
+        sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
       }
     }
   }
@@ -204,8 +206,6 @@ struct FlakeRates {
   float coverage;
   float cos_sum;
   float turn_sum;
-  float escaping_sum;
-  float path_sum;
   color escaping;
   color inside;
   color outside;
@@ -223,8 +223,6 @@ FlakeRates no_flakes()
   rates.coverage = 0.0;
   rates.cos_sum = 0.0;
   rates.turn_sum = 0.0;
-  rates.escaping_sum = 0.0;
-  rates.path_sum = 0.0;
   rates.escaping = color(0.0);
   rates.inside = color(0.0);
   rates.outside = color(0.0);
@@ -242,25 +240,41 @@ color lost_colour(color mirrored, color passed)
   return max(color(1.0) - mirrored - passed, color(0.0));
 }
 
-color mean_reflectance(Coating coating, float library[], Mirroring mirrored, float cos_in)
+color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float library[], Mirroring mirrored,
+                  color slant_view)
 {
   if (!(mirrored.escaping > 0.0))
-    return coating_reflectance(coating, library, cos_in);
-  float mean = min(mirrored.cos_alpha / mirrored.escaping, 1.0);
-  if (!is_clear(coating.kind))
-    return coating_reflectance(coating, library, mean);
-  float variance = mirrored.cos2_alpha / mirrored.escaping - mean * mean;
-  float deviation = sqrt(max(variance, 0.0));
-  return (coating_reflectance(coating, library, min(mean + deviation, 1.0)) +
-          coating_reflectance(coating, library, max(mean - deviation, 0.0))) *
-         0.5;
+    return color(0.0);
+  float cos_alpha = mirrored.cos_alpha / mirrored.escaping;
+  float cos_exit = mirrored.cos_exit / mirrored.escaping;
+  float deviation = 0.0;
+  float shift = 0.0;
+  if (is_clear(coating.kind)) {
+    deviation = sqrt(max(mirrored.cos2_alpha / mirrored.escaping - cos_alpha * cos_alpha, 0.0));
+    if (deviation > 0.0)
+      shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
+  }
+  int sides = deviation > 0.0 ? 2 : 1;
+  color sum = color(0.0);
+  for (int i = 0; i < sides; ++i) {
+    color slant = slant_view + slant_depth_of(layer, flakes, library, clamp(cos_exit + shift, LEAST_COSINE, 1.0));
+    color dimmed = color(mean_transmittance(slant[0]), mean_transmittance(slant[1]), mean_transmittance(slant[2]));
+    sum = sum + coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0)) * dimmed;
+    deviation = -deviation;
+    shift = -shift;
+  }
+  return sum / sides;
 }
 
-void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orientation, Coating coating,
-                float library[], DiffuseSurface surface, float cos_in, float eta)
+void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
+                DiffuseSurface surface, float cos_in, color slant_view)
 {
+  Flakes some = flakes[species];
+  float coverage = some.coverage;
+  OrientationDensity orientation = some.orientation;
+  Coating coating = some.coating;
   float area = mean_projected_area(orientation, cos_in);
-  Mirroring mirrored = mirror_out(orientation, surface, cos_in, eta);
+  Mirroring mirrored = mirror_out(orientation, surface, cos_in, layer.eta);
   float cone_area = orientation.mean_cos;
   float trapped_area = 0.0;
   if (surface.cone < 1.0)
@@ -271,7 +285,6 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   float cone_cosine = (1.0 + surface.critical) / 2.0;
   float trapped_cosine = surface.critical / 2.0;
   color r = coating_reflectance(coating, library, cos_in);
-  color r_escaping = mean_reflectance(coating, library, mirrored, cos_in);
   color r_cone = coating_reflectance(coating, library, cone_cosine);
   color r_trapped = coating_reflectance(coating, library, trapped_cosine);
   color t = coating_transmittance(coating, library, cos_in);
@@ -281,8 +294,6 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.cos_sum = rates.cos_sum + coverage * cone_area;
   float body = orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
   rates.turn_sum = rates.turn_sum + coverage * (1.0 - cone_area) * body;
-  rates.escaping_sum = rates.escaping_sum + coverage * mirrored.escaping;
-  rates.path_sum = rates.path_sum + coverage * mirrored.exit_path;
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
@@ -291,7 +302,8 @@ void add_flakes(output FlakeRates rates, float coverage, OrientationDensity orie
   rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
   rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
   rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
-  rates.single = rates.single + r_escaping * (flux * mirrored.escaping);
+  rates.single = rates.single +
+                 mean_single(layer, flakes, coating, library, mirrored, slant_view) * (flux * mirrored.escaping);
 }
 
 struct MixtureShares {
@@ -301,7 +313,7 @@ struct MixtureShares {
 
 // In the colour channel c: 0, 1, 2.
 MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
-                              float slant, float substrate, float cos_in)
+                              float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
   float cone_path = 2.0 / (1.0 + surface.critical);
@@ -368,7 +380,7 @@ MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, 
   float below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
   float albedo = upwards + substrate * down * below;
 
-  float single = flakes.single[c] * mean_transmittance(slant);
+  float single = flakes.single[c];
   MixtureShares shares;
   shares.whole = max(albedo - single, 0.0);
   shares.glossy = clamp(about.mirrored * unpigmented / exits - single, 0.0, shares.whole);
@@ -417,17 +429,13 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes[i];
     if (some.coverage > 0.0)
-      add_flakes(rates, some.coverage, some.orientation, some.coating, library, surface, cos_in, eta);
+      add_flakes(rates, layer, flakes, i, library, surface, cos_in, slant_view);
   }
-  float cos_exit = cos_in;
-  if (rates.path_sum > 0.0)
-    cos_exit = min(rates.escaping_sum / rates.path_sum, 1.0);
-  color slant = slant_view + slant_depth_of(layer, flakes, library, cos_exit);
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
   for (int c = 0; c < 3; ++c) {
     float absorption = max(layer.binder_depth[c] - rayleigh, 0.0);
-    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, slant[c], substrate[c], cos_in);
+    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
     sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
     sum.glossy_albedo[c] = entered * shares.glossy;
   }
