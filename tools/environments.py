@@ -40,7 +40,7 @@ class Environment:
 
     @property
     def wheels(self) -> Path:
-        """Where the bindings' wheel for this Python is built."""
+        """Where the bindings' wheel for this environment is built."""
         return BUILD / f"wheels-{self.name}"
 
     @property
@@ -59,7 +59,7 @@ class Blender:
     @property
     def environment(self) -> Environment:
         return Environment(
-            self.python_version,
+            self.version,
             REQUIREMENTS / f"blender-{self.version}.txt",
             f"Blender {self.version}",
             " (350 MB, once)",
@@ -72,6 +72,7 @@ class Blender:
 
 FIRST_BLENDER = Blender("4.5", "3.11")  # the Python of Debian 12
 BLENDERS = (FIRST_BLENDER, Blender("5.2", "3.13"))
+BLENDER_BETWEEN = Blender("5.0", "3.11")  # only the extension is tested here, with its own wheel
 TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and linters")
 ACCURACY = Environment(
     "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
@@ -97,7 +98,7 @@ def prepare_measure() -> None:
         _install_bindings(ACCURACY)
 
 
-def prepare(blender: Blender) -> None:
+def prepare(blender: Blender, *, bindings: bool = True) -> None:
     python = find_python(blender.python_version)
     if python is None:
         raise StepFailedError(
@@ -105,8 +106,9 @@ def prepare(blender: Blender) -> None:
             "module and its headers, and there is none here."
         )
     with alone():
-        _install(blender.environment, python, _build_requirements())
-        _install_bindings(blender.environment)
+        _install(blender.environment, python, _build_requirements() if bindings else [])
+        if bindings:
+            _install_bindings(blender.environment)
 
 
 def prepare_blenders() -> list[Blender]:

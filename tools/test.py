@@ -141,8 +141,13 @@ def _fuzz(file: Path) -> Outcome:
 def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
     """One process for each file and Blender: bpy holds one scene, and a crash takes all of it."""
     zipped = _Extension(blenders)
-    for room, test in (("bindings", _pytest), ("render", _pytest), ("extension", zipped.test)):
-        for blender in blenders:
+    rooms = (
+        ("bindings", _pytest, blenders),
+        ("render", _pytest, blenders),
+        ("extension", zipped.test, (*blenders, environments.BLENDER_BETWEEN)),
+    )
+    for room, test, used in rooms:
+        for blender in used:
             for file in sorted((ROOT / "tests" / room).glob("test_*.py")):
                 name = f"{room} {file.stem.removeprefix('test_')}, Blender {blender.version}"
                 yield Group(name, partial(test, blender, file), beside=True)
@@ -264,11 +269,13 @@ def main() -> int:
     if arguments.sanitize:
         groups = [core_group(BUILD / "sanitize", "address,undefined")]
     else:
+        blenders = environments.prepare_blenders()
+        environments.prepare(environments.BLENDER_BETWEEN, bindings=False)
         groups = [
             *check_groups(),
             core_group(BUILD / "tests", ""),
             *fuzz_groups(),
-            *blender_groups(environments.prepare_blenders()),
+            *blender_groups(blenders),
         ]
     groups = [group for group in groups if arguments.k in group.name]
     if not groups:

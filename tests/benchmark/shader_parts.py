@@ -3,9 +3,9 @@
 
 For each part: the time per sample of the shader with the part absent through its inputs, over that
 of a shader from whose text the part is cut. And the whole against a Principled BSDF. Run it on a
-quiet machine, from a Python with bpy (build/env-3.11):
+quiet machine, from a Python with bpy (build/env-4.5):
 
-    build/env-3.11/bin/python tests/benchmark/shader_parts.py
+    build/env-4.5/bin/python tests/benchmark/shader_parts.py
 
 Before the times stand the operations that OSL keeps of the shader once it has folded constants: a
 figure without noise. Where it is the same, the absent part is gone, and no time is taken of it;
