@@ -16,7 +16,7 @@ import bpy  # noqa: E402
 import demo_model  # noqa: E402
 import numpy as np  # noqa: E402
 import render_scene  # noqa: E402
-from mathutils import Vector  # noqa: E402
+from mathutils import Matrix, Vector  # noqa: E402
 from metallic_paint import presets  # noqa: E402
 from render_scene import RenderError, say  # noqa: E402
 
@@ -27,14 +27,14 @@ MODELS = (".obj", ".glb", ".ply", ".stl", ".blend")
 def main() -> None:
     arguments = parse()
     paint = render_scene.load_paint(arguments.paint)
-    check_model(arguments.model, arguments.object)
+    check_model(arguments.model, arguments.object, arguments.scale)
     render_scene.check_outputs([arguments.out])
     with render_scene.quiet():
         say(f"Opening {arguments.model}…")
         if arguments.model.suffix.lower() == ".blend":
             scene = open_blend(arguments.model)
         else:
-            scene = import_mesh(arguments.model)
+            scene = import_mesh(arguments.model, arguments.scale or 1)
         things = named(scene, arguments.object) if arguments.object else meshes(scene)
         render_scene.paint_objects(things, paint)
         low, high = bounds(things, arguments.model)
@@ -54,7 +54,7 @@ def parse() -> argparse.Namespace:
         prog="paint render",
         description=f"{__doc__} A mesh stands in the demo's studio; a .blend that has a camera "
         "and lights keeps them, its size and its samples, and is rendered without compositing and "
-        "denoising. Lengths are metres: the flakes have their true size.",
+        "denoising. The flakes have their true size: see --scale for a mesh that is not in metres.",
     )
     parser.add_argument(
         "model", type=Path, metavar="MESH_OR_BLEND", help=f"a file: {' '.join(MODELS)}"
@@ -73,18 +73,34 @@ def parse() -> argparse.Namespace:
         help="in pixels (follows from the width)",
     )  # fmt: skip
     parser.add_argument(
+        "--scale", type=positive, metavar="M",
+        help="metres in a unit of the mesh, 0.001 for millimetres (1)",
+    )  # fmt: skip
+    parser.add_argument(
         "--object", nargs="+", default=[], metavar="NAME",
         help="which objects of a .blend to paint (all meshes)",
     )  # fmt: skip
     return parser.parse_args()
 
 
-def check_model(file: Path, names: Sequence[str]) -> None:
+def positive(text: str) -> float:
+    number = float(text)
+    if not 0 < number < math.inf:
+        raise ValueError
+    return number
+
+
+positive.__name__ = "number above 0"  # argparse names the type in its message
+
+
+def check_model(file: Path, names: Sequence[str], scale: float | None) -> None:
     if file.suffix.lower() not in MODELS:
         known = f"{', '.join(MODELS[:-1])} or {MODELS[-1]}"
         raise RenderError(f"{file}: a model's name ends in {known}.")
     if names and file.suffix.lower() != ".blend":
         raise RenderError(f"--object names objects of a .blend, and {file} is none.")
+    if scale is not None and file.suffix.lower() == ".blend":
+        raise RenderError(f"--scale is for a mesh; {file} has the scale of its scene.")
     try:
         with file.open("rb"):
             pass
@@ -103,8 +119,8 @@ def open_blend(file: Path) -> bpy.types.Scene:
     return bpy.context.scene
 
 
-def import_mesh(file: Path) -> bpy.types.Scene:
-    """Its meshes in an empty scene, smooth as the file says."""
+def import_mesh(file: Path, scale: float = 1) -> bpy.types.Scene:
+    """Its meshes in an empty scene, smooth as the file says, a unit of it so many metres long."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     path = str(file.resolve())
@@ -128,6 +144,9 @@ def import_mesh(file: Path) -> bpy.types.Scene:
         if not mesh.has_custom_normals:
             mesh.shade_smooth()
             mesh.set_sharp_from_angle(angle=SMOOTH_BELOW)
+    for thing in scene.objects:
+        if thing.parent is None:
+            thing.matrix_basis = Matrix.Scale(scale, 4) @ thing.matrix_basis
     return scene
 
 

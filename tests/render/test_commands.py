@@ -127,6 +127,16 @@ def test_a_png_has_the_size_asked_for(tmp_path: Path) -> None:
     assert "view transform" in said
 
 
+@pytest.mark.parametrize("suffix", [".glb", ".obj"])
+def test_a_mesh_in_millimetres_has_its_true_size(tmp_path: Path, suffix: str) -> None:
+    add_ball()
+    mesh, out = tmp_path / f"ball{suffix}", tmp_path / "ball.png"
+    EXPORTERS[suffix](str(mesh))
+    said = rendered(mesh, "--out", out, *QUICK, "--scale", "0.001")
+    assert "Painting 1 object, 0.0004 × 0.0004 × 0.0004 m" in said
+    assert_shows_something(out, (64, 36))
+
+
 def test_a_blend_keeps_its_camera_lights_size_and_samples(tmp_path: Path) -> None:
     add_ball("Left"), add_ball("Right")
     add_camera_and_sun()
@@ -285,6 +295,7 @@ def test_wrong_usage_has_a_code_of_its_own(out: Path, triangle: Path) -> None:
     whole = [triangle, "--paint", "copper", "--out", out]
     assert_fails(out, whole[:1], "required: --paint, --out", code=2)
     assert_fails(out, [*whole, "--samples", 0], "invalid whole number of 1 or more", code=2)
+    assert_fails(out, [*whole, "--scale", "inf"], "invalid number above 0", code=2)
     assert_fails(out, ["--width", "wide"], "invalid whole number of 1 or more", 2, "demo")
 
 
@@ -297,6 +308,13 @@ def test_named_objects_must_exist_and_hold_paint(tmp_path: Path, out: Path, tria
     assert_fails(out, [*whole, "Noon"], "'Noon' (LIGHT) cannot hold a material")
     arguments = [triangle, "--paint", "copper", "--out", out, "--object", "Ball"]
     assert_fails(out, arguments, "--object names objects of a .blend")
+
+
+def test_scale_is_for_meshes(tmp_path: Path, out: Path) -> None:
+    file = tmp_path / "model.blend"
+    file.write_text("")
+    arguments = [file, "--paint", "silver-coarse", "--out", out, "--scale", 2]
+    assert_fails(out, arguments, "--scale is for a mesh; ")
 
 
 def test_coordinates_must_be_numbers(tmp_path: Path, out: Path) -> None:
