@@ -13,6 +13,7 @@ operators.py         new paints, the scene's lights, Cycles with OSL, updates
 preset_operators.py  presets: their menu, apply, load, save
 panel.py             the panel in material properties and shader editor, and the Add menu
 follow.py            lights that follow by themselves
+imports.py           what comes along with a paint from another file and does not belong to it
 library.py           the asset library, in the add-on's preferences
 denoise.py           compositing that denoises all but the sparkles
 quality.py           draft, final, reference: the render settings for sparkles
@@ -26,8 +27,8 @@ import importlib
 from types import ModuleType
 
 # Each has register() and unregister().
-_MODULES = ("operators", "preset_operators", "panel", "follow", "library",
-            "denoise", "quality", "scene_report", "verify_operator")  # fmt: skip
+_MODULES = ("operators", "preset_operators", "panel", "follow", "imports",
+            "library", "denoise", "quality", "scene_report", "verify_operator")  # fmt: skip
 
 
 def register() -> None:

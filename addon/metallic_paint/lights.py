@@ -68,15 +68,17 @@ def groups() -> list[bpy.types.ShaderNodeTree]:
     return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
 
 
-def version(group: bpy.types.NodeTree) -> int:
-    """Of a group of light slots, at least 1; 0 for other groups."""
+def version(group: bpy.types.ID) -> int:
+    """Of a group of light slots, at least 1; 0 for anything else."""
     return group.get(_MARK, 0)
 
 
 def fill(scene: bpy.types.Scene) -> Report:
     """Gives the slots to the scene's lights; call it again when lights come, go or change type.
 
-    needs.fit calls it, and finds out whether there is other light; here the flakes are to show it.
+    needs.fit calls it, and finds out whether the flakes have other light to show. What is so
+    already is not touched: Blender would prepare all paints anew.
+
     Suns, point and spot lights that render take part, also those that animation may show later. Of
     more than 8, those stay that send the greatest irradiance to any painted object, not counting
     shadows, light linking, and nodes of the light; those hidden now come last. The slots are
@@ -84,7 +86,6 @@ def fill(scene: bpy.types.Scene) -> Report:
     of several scenes has the lights of the scene filled last.
     """
     group = _one_group()
-    _clear(group)
     layers = used_layers(scene)
     for layer in layers:
         layer.update()
@@ -101,35 +102,35 @@ def fill(scene: bpy.types.Scene) -> Report:
             others = "other" if light.hide_render else "brighter"
             left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
-    for slot, light in enumerate(lights, 1):
-        _feed(group, slot, light, matrices[light])
-    group.nodes[METERS_PER_UNIT].outputs[0].default_value = scene.unit_settings.scale_length
-    for layer in layers:
-        layer.update()
+    if not _are_fed_by(group, lights):
+        _clear(group)
+        for slot, light in enumerate(lights, 1):
+            _feed(group, slot, light, matrices[light])
+        for layer in layers:
+            layer.update()
+    _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
     return Report(tuple(lights), left_out, linked_files())
 
 
 def show_other_light(needed: bool) -> None:
-    """Whether the flakes show light from elsewhere than the slots, until the next fill."""
-    node_group().nodes[OTHER_LIGHT].outputs[0].default_value = float(needed)
+    """Whether the flakes show light from elsewhere than the slots; in a new file they do."""
+    _set(node_group(), OTHER_LIGHT, float(needed))
 
 
 def are_fed() -> bool:
     """Whether the light of every slot in use still exists."""
-    return all(_sources())
+    return all(source for group in groups()[:1] for source in _driven(group).values())
 
 
 def in_slots() -> list[bpy.types.Object]:
     """The lights that feed the slots now."""
-    lamps = [each for each in _sources() if isinstance(each, bpy.types.Object)]
+    return [lamp for group in groups()[:1] for lamp in feeding(group)]
+
+
+def feeding(group: bpy.types.ShaderNodeTree) -> list[bpy.types.Object]:
+    """The lights that the slots of this group look at."""
+    lamps = [each for each in _driven(group).values() if isinstance(each, bpy.types.Object)]
     return list(dict.fromkeys(lamps))
-
-
-def _sources() -> list[bpy.types.ID | None]:
-    """What the drivers of the slots look at; None for what is gone."""
-    found = [group.animation_data for group in groups()[:1]]
-    drivers = [curve.driver for animation in found if animation for curve in animation.drivers]
-    return [variable.targets[0].id for driver in drivers for variable in driver.variables]
 
 
 def values() -> list[tuple[float, Vector, float]]:
@@ -156,6 +157,8 @@ def _new_group() -> bpy.types.ShaderNodeTree:
     _add_output(group, out, METERS_PER_UNIT, "ShaderNodeValue", "NodeSocketFloat")
     _add_output(group, out, OTHER_LIGHT, "ShaderNodeValue", "NodeSocketFloat")
     _clear(group)
+    for name in (METERS_PER_UNIT, OTHER_LIGHT):
+        _set(group, name, 1)
     return group
 
 
@@ -170,13 +173,17 @@ def _add_output(
 
 
 def _clear(group: bpy.types.ShaderNodeTree) -> None:
-    """Every slot unused and without drivers; the scene's unit a metre; other light unknown."""
+    """Every slot unused and without drivers."""
     group.animation_data_clear()
     for slot in range(1, SLOTS + 1):
         for socket in _inputs(group, slot):
             socket.default_value = 0
-    for name in (METERS_PER_UNIT, OTHER_LIGHT):
-        group.nodes[name].outputs[0].default_value = 1
+
+
+def _set(group: bpy.types.ShaderNodeTree, name: str, value: float) -> None:
+    socket = group.nodes[name].outputs[0]
+    if socket.default_value != value:
+        socket.default_value = value
 
 
 def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSocket]:
@@ -222,6 +229,28 @@ def _feed(
     for socket, value, expression in zip((x, y, z), vector, expressions, strict=True):
         socket.default_value = value
         _drive(socket, expression, variables)
+
+
+def _driven(group: bpy.types.ShaderNodeTree) -> dict[str, bpy.types.ID | None]:
+    """What each driver looks at, None for what is gone, by the path of what it drives."""
+    curves = group.animation_data.drivers if group.animation_data else ()
+    return {curve.data_path: _source(curve.driver) for curve in curves}
+
+
+def _source(driver: bpy.types.Driver) -> bpy.types.ID | None:
+    return next((variable.targets[0].id for variable in driver.variables), None)
+
+
+def _are_fed_by(group: bpy.types.ShaderNodeTree, lights: list[bpy.types.Object]) -> bool:
+    """Whether the slots have drivers to just these lights, as what they now are."""
+    driven: dict[str, bpy.types.ID | None] = {}
+    kinds = []
+    for slot, light in enumerate(lights, 1):
+        kind, *place, size = _inputs(group, slot)
+        kinds.append(kind.default_value == _KINDS[light.data.type])
+        driven |= dict.fromkeys((socket.path_from_id("default_value") for socket in place), light)
+        driven[size.path_from_id("default_value")] = light.data
+    return all(kinds) and driven == _driven(group)
 
 
 def _drive(

@@ -27,12 +27,17 @@ _DARK_NODES = {
 
 _MOST_TRIANGLES = 10_000  # of a mesh that is tested for convexity, which takes a second then
 _TRIANGLES_AT_ONCE = 500
+_MOST_FORMS = 8
+_below: dict[tuple[str, int], bool] = {}
 # What a face sees within this angle above its horizon is less than its square of all that it sees.
 _HORIZON = 1e-3
 
 
 # Custom properties of the group of light slots, which undo, files and copies keep with the slots.
 _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
+_SCENE = "metallic_paint_scene"
+
+_state = {"fitting": False}
 
 
 @dataclass(frozen=True)
@@ -41,8 +46,13 @@ class Needs:
 
     lights: lights.Report
     other_light: tuple[str, ...]  # what lights the flakes beside the slots, in words; () for none
+    own: bool = True  # False: the file has no paint of its own, so nothing was fitted
 
     def __str__(self) -> str:
+        if not self.own:
+            return "\n".join(
+                ["This file has no metallic paint of its own.", *str(self.lights).splitlines()]
+            )
         slots, without = len(self.lights.slots), len(self.lights.left_out)
         lines = str(self.lights).splitlines()
         if not slots:
@@ -67,12 +77,33 @@ def fit(scene: bpy.types.Scene) -> Needs:
     Call it again when lights, objects, or materials that emit come, go or change type, when a mesh,
     the world or the number of bounces changes, and when a lamp moves into a painted object.
     """
-    report = lights.fill(scene)
-    needs = Needs(report, tuple(_other_light(scene, report)))
-    lights.show_other_light(bool(needs.other_light))
-    group = lights.node_group()
-    group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
+    if not lights.groups():
+        return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
+    _state["fitting"] = True  # the scene is updated, which calls handlers
+    try:
+        report = lights.fill(scene)
+        needs = Needs(report, tuple(_other_light(scene, report)))
+        lights.show_other_light(bool(needs.other_light))
+        group = lights.node_group()
+        group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
+        group[_SCENE] = scene.name_full
+    finally:
+        _state["fitting"] = False
     return needs
+
+
+def is_fitting() -> bool:
+    """Whether fit is at work, for handlers that it calls."""
+    return _state["fitting"]
+
+
+def scene_to_fit(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """This one, unless only others use paint: of these the one fitted last, or the first."""
+    painted = [each for each in bpy.data.scenes if lights.uses_paint(each)]
+    if scene in painted or not painted:
+        return scene
+    last = next((group.get(_SCENE) for group in lights.groups()), "")
+    return next((each for each in painted if each.name_full == last), painted[0])
 
 
 def is_fitted(scene: bpy.types.Scene) -> bool:
@@ -319,9 +350,21 @@ class _Surface:
     normals: np.ndarray  # (n, xyz)
     vertices: np.ndarray  # (m, xyz)
     is_closed: bool
+    form: str  # a digest that moving the object leaves as it is
 
     def is_below(self, sign: int) -> bool:
-        """Whether no vertex stands above the horizon of a triangle, on its front or back (-1)."""
+        """Whether no vertex stands above the horizon of a triangle, on its front or back (-1).
+
+        Remembered for the last forms asked for: who moves an object would wait for it again.
+        """
+        key = self.form, sign
+        if key not in _below:
+            while len(_below) >= _MOST_FORMS:
+                del _below[next(iter(_below))]
+            _below[key] = self._is_below(sign)
+        return _below[key]
+
+    def _is_below(self, sign: int) -> bool:
         rounding = 1e-7 * np.ptp(self.vertices, axis=0).max(initial=0)  # of single precision
         for i in range(0, len(self.normals), _TRIANGLES_AT_ONCE):
             some = slice(i, i + _TRIANGLES_AT_ONCE)
@@ -350,6 +393,7 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
     places: np.ndarray = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", places)
     matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
+    form = hashlib.sha256(places.tobytes() + indices.tobytes() + matrix[:3, :3].tobytes())
     places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
     indices = indices.reshape(-1, 3)
 
@@ -362,7 +406,8 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
     area = np.linalg.norm(normals, axis=-1)
     seen = area > 0
     normals = normals[seen] / area[seen, None]
-    return _Surface(corners[seen], normals, places[np.unique(indices)], is_closed)
+    vertices = places[np.unique(indices)]
+    return _Surface(corners[seen], normals, vertices, is_closed, form.hexdigest())
 
 
 def _stays_outside(lamp: bpy.types.Object, surface: _Surface) -> bool:

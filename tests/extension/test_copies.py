@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Copies, links, renames, undo, instances, and files that travel."""
+"""Copies, links, renames, instances, and files that travel."""
 
 from __future__ import annotations
 
@@ -115,6 +115,67 @@ def test_paint_from_another_file(
     }
     assert own[0] in slots
     assert len(slots) == 1 + link
+
+
+@pytest.fixture
+def theirs(painted: bpy.types.Object, tmp_path: Path) -> Path:
+    """A file with a paint, an object that it needs, and a lamp with all that this one needs."""
+    painted.active_material.name = "Theirs"
+    sun = add_sun("Their Sun")
+    bpy.ops.object.empty_add()
+    sun.parent = bpy.context.object
+    sun.parent.name = "Rig"
+    bpy.ops.object.empty_add()
+    bpy.context.object.name = "Mirror"
+    painted.modifiers.new("Mirror", "MIRROR").mirror_object = bpy.context.object
+    together = bpy.data.collections.new("Set")
+    bpy.context.scene.collection.children.link(together)
+    together.objects.link(sun)
+    together.objects.link(painted)
+    file = tmp_path / "theirs.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True)
+    return file
+
+
+def append(file: Path, kind: str, name: str) -> list[str]:
+    """Names of the objects that are then in a scene that had one, Cube."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.mesh.primitive_cube_add()
+    folder = f"{file}/{kind}/"
+    bpy.ops.wm.append(filepath=f"{folder}{name}", directory=folder, filename=name)
+    bpy.context.view_layer.update()
+    return sorted(thing.name for thing in bpy.context.scene.objects)
+
+
+def test_appended_paint_leaves_the_lamps_of_its_file_behind(addon: Addon, theirs: Path) -> None:
+    assert append(theirs, "Material", "Theirs") == ["Cube"]
+    assert not [thing.name for thing in bpy.data.objects if thing.name != "Cube"]
+    add_sun("Our Sun")
+    assert addon("lights").in_slots() == [bpy.data.objects["Our Sun"]]
+
+
+def test_appended_object_brings_what_it_needs_itself(addon: Addon, theirs: Path) -> None:
+    assert append(theirs, "Object", "Sphere") == ["Cube", "Mirror", "Sphere"]
+
+
+def test_lamps_that_were_asked_for_come_along(addon: Addon, theirs: Path) -> None:
+    assert append(theirs, "Collection", "Set") == ["Cube", "Mirror", "Rig", "Sphere", "Their Sun"]
+    assert addon("lights").in_slots() == [bpy.data.objects["Their Sun"]]
+
+
+def test_pasted_object_does_not_bring_the_lamps_a_second_time(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    sun = add_sun()
+    for thing in bpy.context.scene.objects:
+        thing.select_set(thing == painted)
+    bpy.ops.view3d.copybuffer()
+    bpy.ops.view3d.pastebuffer()
+    bpy.context.view_layer.update()
+    assert sorted(thing.name for thing in bpy.context.scene.objects) == [
+        "Sphere", "Sphere.001", "Sun",
+    ]  # fmt: skip
+    assert addon("lights").in_slots() == [sun]
 
 
 def test_file_with_only_a_linked_paint_is_left_alone(

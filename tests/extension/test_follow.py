@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lights follow by themselves: nothing here calls needs.fit or Update Lights.
 
-Without a window Blender has no timers, so the handlers fit at once; the timer's way is the same
-function, and tested for being started.
+Without a window Blender runs no timers, so the handlers fit at once; the tests call what the timer
+calls.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -49,6 +48,13 @@ def slots(addon: Addon) -> list[str]:
     """The names that the last fit told of."""
     lines = addon("needs").said().splitlines()
     return [line.partition(": ")[2] for line in lines if line.startswith("light ")]
+
+
+def call(name: str) -> None:
+    """The add-on's handlers as Blender calls them."""
+    for handler in getattr(bpy.app.handlers, name):
+        if handler.__module__.startswith(NAME):
+            handler(bpy.context.scene, None)
 
 
 def test_new_lights_get_slots(addon: Addon) -> None:
@@ -262,19 +268,36 @@ def test_opened_file_is_fitted_if_it_was_changed_elsewhere(addon: Addon, tmp_pat
     assert slots(addon) == ["Sun"]
 
 
-def test_other_scene_gets_its_own_lights(addon: Addon) -> None:
+def test_other_painted_scene_gets_its_own_lights(addon: Addon, painted: bpy.types.Object) -> None:
     add("SUN", "Sun")
     bpy.context.window.scene = bpy.data.scenes.new("Other")
-    bpy.ops.object.empty_add()
+    bpy.context.scene.collection.objects.link(painted)
+    update()
     assert addon("lights").values() == []
     bpy.context.window.scene = bpy.data.scenes["Scene"]
     bpy.ops.object.empty_add()
     assert slots(addon) == ["Sun"]
 
 
-def test_nothing_happens_while_rendering(
-    addon: Addon, fits: list[str], painted: bpy.types.Object
+def test_scene_without_paint_leaves_the_lights_to_the_one_that_was_fitted(
+    addon: Addon, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
+    other = bpy.data.scenes.new("A second one")
+    other.collection.objects.link(painted)
+    add("SUN", "Sun")
+    bpy.context.window.scene = bpy.data.scenes.new("A cut")
+    bpy.ops.object.empty_add()
+    assert slots(addon) == ["Sun"]
+    lamp = bpy.data.objects.new("Late", bpy.data.lights.new("Late", "POINT"))
+    bpy.data.scenes["Scene"].collection.objects.link(lamp)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert slots(addon) == ["Late", "Sun"]
+
+
+def test_nothing_happens_while_rendering(
+    addon: Addon, fits: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(addon("follow"), "REST_SECONDS", 0)
     scene = bpy.context.scene
     bpy.ops.object.camera_add(location=(0, 0, 5))
     scene.camera = bpy.context.object
@@ -286,7 +309,8 @@ def test_nothing_happens_while_rendering(
     def watch(*_: object) -> None:
         before = len(fits)
         scene.world = bpy.data.worlds.new("World")
-        assert addon("follow").follow() == addon("follow").REST_SECONDS  # the timer tries again
+        call("depsgraph_update_post")
+        addon("follow").follow()
         during.append(len(fits) - before)
 
     bpy.app.handlers.render_pre.append(watch)
@@ -295,51 +319,66 @@ def test_nothing_happens_while_rendering(
     finally:
         bpy.app.handlers.render_pre.remove(watch)
     assert during == [0, 0]
-    update()
-    addon("follow").follow()
     assert fits
 
 
 @pytest.fixture
-def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> Iterator[set[str]]:
+def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> set[str]:
     """A Blender with a window, as the add-on sees it: the jobs that it runs."""
     running: set[str] = set()
     app = SimpleNamespace(
         background=False, timers=bpy.app.timers, is_job_running=lambda kind: kind in running
     )
-    follow = addon("follow")
-    monkeypatch.setattr(follow, "bpy", SimpleNamespace(app=app, context=bpy.context))
-    yield running
-    follow._stop_timer()
+    monkeypatch.setattr(addon("follow"), "bpy", SimpleNamespace(app=app, context=bpy.context))
+    return running
 
 
-def test_with_a_window_the_handler_only_starts_a_timer(
-    addon: Addon, fits: list[str], jobs: set[str]
+def test_with_a_window_the_timer_fits_once_the_scene_rests(
+    addon: Addon, fits: list[str], jobs: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     follow = addon("follow")
+    assert bpy.app.timers.is_registered(follow.follow)
     add("SUN", "Sun")
     add("SUN", "Sun 2")
+    assert follow.follow() == follow.REST_SECONDS
     assert fits == []
-    assert bpy.app.timers.is_registered(follow.follow)
+    monkeypatch.setattr(follow, "REST_SECONDS", 0)
+    follow.follow()
     follow.follow()
     assert slots(addon) == ["Sun", "Sun 2"]
+    assert len(fits) == 1
 
 
-def call(name: str) -> None:
-    """The add-on's handlers as Blender calls them."""
-    for handler in getattr(bpy.app.handlers, name):
-        if handler.__module__.startswith(NAME):
-            handler(bpy.context.scene, None)
+def test_a_direct_fit_is_not_answered_by_another(addon: Addon, fits: list[str]) -> None:
+    add("SUN", "Sun")
+    fits.clear()
+    bpy.ops.scene.metallic_paint_update_lights()
+    assert len(fits) == 1
 
 
-def test_with_a_window_the_job_tells_that_a_render_ended(addon: Addon, jobs: set[str]) -> None:
+def test_lights_that_stay_keep_their_drivers(addon: Addon) -> None:
+    """Blender prepares all paints anew when these change."""
+    add("SUN", "Sun")
+    group = addon("lights").node_group()
+    drivers = [curve.as_pointer() for curve in group.animation_data.drivers]
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.scene.metallic_paint_update_lights()
+    assert [curve.as_pointer() for curve in group.animation_data.drivers] == drivers
+    add("POINT", "Lamp")
+    assert len(group.animation_data.drivers) == 2 * len(drivers)
+
+
+def test_with_a_window_the_job_tells_that_a_render_ended(
+    addon: Addon, jobs: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(addon("follow"), "REST_SECONDS", 0)
     jobs.add("RENDER")
     call("render_init")
     add("SUN", "Sun")
-    assert addon("follow").follow() == addon("follow").REST_SECONDS
+    addon("follow").follow()
     assert slots(addon) == []
     jobs.clear()  # it failed: neither render_complete nor render_cancel
-    assert addon("follow").follow() is None
+    addon("follow").follow()
     assert slots(addon) == ["Sun"]
 
 
@@ -387,7 +426,49 @@ def test_another_scene_is_rendered_with_its_own_lights(
     assert slots(addon) == ["Sun"]
 
 
-# Blender's module has no window, and without one undo's poll is never true: these are undo's steps.
+def test_undo_and_redo_bring_lights_and_paints_back(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    def step(message: str) -> None:
+        update()
+        bpy.ops.ed.undo_push(message=message)
+
+    for name in ("Nothing yet", "Still nothing"):  # the first makes undo possible
+        step(name)
+    add("POINT", "Lamp", 1)
+    step("Add")
+    bpy.data.objects["Lamp"].location.x = 4
+    step("Move")
+    bpy.data.objects.remove(bpy.data.objects["Lamp"])
+    step("Delete")
+    places = [[], [1], [4], []]
+
+    def seen() -> list[int]:
+        values = addon("lights").values()
+        assert addon("needs").is_fitted(bpy.context.scene)
+        assert len(values) == len(slots(addon))
+        return [round(vector.x) for _, vector, _ in values]
+
+    for expected in places[-2::-1]:
+        assert bpy.ops.ed.undo() == {"FINISHED"}
+        assert seen() == expected
+    for expected in places[1:]:
+        assert bpy.ops.ed.redo() == {"FINISHED"}
+        assert seen() == expected
+
+
+def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
+    for name in ("Nothing yet", "Still nothing"):
+        bpy.ops.ed.undo_push(message=name)
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.ed.undo_push(message="Cube")
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    bpy.ops.ed.undo_push(message="Paint")
+    bpy.ops.ed.undo()
+    assert bpy.context.object.active_material is None
+    bpy.ops.ed.redo()
+    paint = addon("material").paint_of(bpy.context.object.active_material)
+    assert paint == addon("presets").load("gold")
 
 
 @pytest.mark.parametrize("step", ["undo", "redo"])

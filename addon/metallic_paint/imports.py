@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an append brings along: a paint refers to the lamps of its file, and they stay behind.
+
+Blender appends all that the drivers of the light slots look at, with parents and targets, and puts
+these objects into the scene, which they would light. Paste tells nothing of why an object came, so
+of pasted lamps only those go that stand where a lamp of this file stands already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import lights
+
+
+@persistent
+def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
+    arrived = {item.id: item.import_info for item in context.import_items if item.id is not None}
+    groups = [group for group in lights.groups() if group in arrived]
+    lamps = [lamp for group in groups for lamp in lights.feeding(group)]
+    there = [lamp for lamp in lights.in_slots() if lamp not in arrived]
+    for group in groups:
+        group.animation_data_clear()
+    unasked = [
+        thing
+        for thing, info in arrived.items()
+        if isinstance(thing, bpy.types.Object)
+        and thing.library is None
+        and ("INDIRECT_USAGE" in info or any(_is_twin(thing, lamp) for lamp in there))
+    ]
+    for thing in _unused(unasked, lamps, arrived):
+        bpy.data.objects.remove(thing)
+
+
+def _unused(
+    unasked: Collection[bpy.types.Object],
+    lamps: Collection[bpy.types.Object],
+    arrived: Collection[bpy.types.ID],
+) -> list[bpy.types.Object]:
+    """Lamps that nothing else uses of what arrived, and step by step what only these use."""
+    users = {
+        thing: {user for user in used if user in arrived and not lights.version(user)}
+        for thing, used in bpy.data.user_map(subset=set(unasked)).items()
+    }
+    unused: list[bpy.types.Object] = []
+    while more := [
+        thing
+        for thing in unasked
+        if thing not in unused and users[thing] <= {*unused} and (thing in lamps or users[thing])
+    ]:
+        unused += more
+    return unused
+
+
+def _is_twin(lamp: bpy.types.Object, other: bpy.types.Object) -> bool:
+    if lamp.type != "LIGHT":
+        return False
+    one, two = lamp.data, other.data
+    same = one.type == two.type and one.energy == two.energy and one.color == two.color
+    return same and lamp.matrix_world == other.matrix_world
+
+
+def register() -> None:
+    bpy.app.handlers.blend_import_post.append(_imported)
+
+
+def unregister() -> None:
+    bpy.app.handlers.blend_import_post.remove(_imported)
