@@ -35,7 +35,9 @@
 // paints and mica to 0.01 and silica to 0.02.
 // By angle: the root mean square of the error in lightness L* over 20 directions, of single flakes
 // and mixture over black (100 paints without pigment, 3 lights), is 1.4 in the mean, 5.3 in 95 %
-// and 15 at worst, under grazing light; with one Lambertian lobe it would be 5.8, 21 and 40.
+// and 15 at worst, under grazing light; with one Lambertian lobe it would be 5.8, 21 and 40. The
+// lobes know the view only: of white-pearl seen along the normal, what they show of light at 70, 80
+// and 85 degrees is 1.03, 1.4 and 2.2 times the walk's.
 #pragma once
 
 #include <algorithm>

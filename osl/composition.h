@@ -22,6 +22,38 @@ color greatest(color sparkles, color base)
   return sparkles * ((bright - other) / bright);
 }
 
+float facet_reflectance(float cos_view, float roughness, float eta)
+{
+  float q = roughness * roughness * sqrt(roughness);
+  float k = 0.55 * q / (1.0 + 0.56 * q);
+  float square = cos_view * cos_view;
+  float cosine = sqrt(square + k * (1.0 - 0.6 * square));
+  return 1.0 - fresnel_transmittance(cosine, eta_cos_refracted(cosine, eta), eta);
+}
+
+float facet_albedo(float cos_view, float roughness)
+{
+  return 1.0 - roughness * roughness * (0.43 + 0.26 * cos_view);
+}
+
+struct Coat {
+  float reflected;
+  float rest;
+};
+
+Coat make_coat(float cos_view, float roughness, float eta)
+{
+  float passed = fresnel_transmittance(cos_view, eta_cos_refracted(cos_view, eta), eta);
+  Coat coat;
+  coat.reflected = 1.0 - passed;
+  coat.rest = 1.0;
+  if (roughness > 0.0 && passed > 0.0) {
+    coat.reflected = facet_reflectance(cos_view, roughness, eta) * facet_albedo(cos_view, roughness);
+    coat.rest = (1.0 - coat.reflected) / passed;
+  }
+  return coat;
+}
+
 float visible_facets(float square, float cosine)
 {
   return 2.0 * cosine / (cosine + sqrt(square + (1.0 - square) * cosine * cosine));

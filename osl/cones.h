@@ -15,6 +15,7 @@
 // Half-angle margin to the edge of a light: half of LEAST_GAP.
 #define CONE_MARGIN 1e-3
 #define NARROW_CONE 0.02
+// A narrower one where the light's T is so great that the cone would show more of a white world than a mirror does.
 // Wider cones would keep dimmer sparkles, but a cone also reflects what else lies in it: of a world of radiance 1, 5e-4 of
 // the sparkles of a sun of 3 W/m2 on average (measured), more in dim pixels.
 #define WIDEST_CONE 0.5
@@ -27,7 +28,8 @@
 float cone_half_angle(float average, float least, float most)
 {
   float wanted = 2.0 * asin(sqrt(min(2.0 * LEAST_WEIGHT / (4.0 * M_PI * max(average, 1e-30)), 0.5)));
-  float rho = clamp(max(wanted, NARROW_CONE), least, max(most, least));
+  float mirror = 2.0 * asin(sqrt(1.0 / (4.0 * M_PI * max(average, 1.0))));
+  float rho = clamp(max(wanted, min(NARROW_CONE, mirror)), least, max(most, least));
   return min(rho, max(WIDEST_CONE, least));
 }
 

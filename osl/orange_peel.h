@@ -8,6 +8,7 @@
 
 // Of each channel of noise("perlin"), measured over 1e6 points.
 #define PERLIN_DEVIATION 0.26
+#define LEAST_HEIGHT 0.01  // the sine of how far above the horizon light leaves, unless the view is lower
 
 // The normal tilted by a slope whose root mean square is `slope`; p and `size` in scene units.
 vector orange_peel(vector n, point p, float slope, float size)
@@ -16,6 +17,20 @@ vector orange_peel(vector n, point p, float slope, float size)
   vector across = waves - n * inner_product(n, waves);
   vector tilted = n + across * (slope / (1.41421356 * PERLIN_DEVIATION));
   return tilted / sqrt(inner_product(tilted, tilted));
+}
+
+// The coat's normal turned so that a mirror's light stays above the surface: what a wave sends down meets another that sends
+// it up again.
+vector above_surface(vector coat_n, vector n, vector view)
+{
+  vector mirrored = coat_n * (2.0 * inner_product(coat_n, view)) - view;
+  float height = inner_product(mirrored, n);
+  float least = clamp(inner_product(n, view), 0.0, LEAST_HEIGHT);
+  if (height >= least)
+    return coat_n;
+  vector up = mirrored + n * (max(-height, least) - height);
+  vector half = view + up / sqrt(inner_product(up, up));
+  return half / sqrt(inner_product(half, half));
 }
 
 // Where a point lies in its object, which the waves are fixed to: in world units, as far as the object is scaled evenly.

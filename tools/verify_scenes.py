@@ -121,6 +121,8 @@ SCENES = (
     # Diffraction would dim one pixel in twenty below Cycles' least weight in cones so narrow.
     Scene("two suns 0.6 degrees apart", (sun("Sun", 60, 110, 0.2), sun("Sun two", 60.6, 110, 0.2)),
           paint=dataclasses.replace(SILVER, diffraction="none"), seeds=2),
+    Scene("flakes of little spread", (sun("Sun", 55, 95),), width=0.06, seeds=8,
+          paint=dataclasses.replace(SILVER, diffraction="none", flake_spread=0.001, tilt=0.05)),
     Scene("two suns in one another", (sun("Sun", 60, 110, 0.53), sun("Sun two", 60.1, 110, 0.53)),
           seeds=2),
     Scene("three suns in a row", (sun("Sun A", 60, 110, 0.3), sun("Sun B", 60.3, 110, 0.3),

@@ -213,6 +213,8 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
         if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
             layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
     for lamp in [thing for thing in scene.objects if _MARK in thing]:
+        if any(is_set_up(other) for other in lamp.users_scene if other != scene):
+            continue  # a copy of this scene denoises by it
         if lamp.lightgroup == LIGHT_GROUP:
             lamp.lightgroup = ""
         del lamp[_MARK]
@@ -271,10 +273,19 @@ def _foreign_nodes(scene: bpy.types.Scene) -> str:
     """Names those that do something and are not ours, even if the tree is switched off."""
     tree = _tree(scene)
     nodes = tree.nodes if tree is not None else ()
-    names = [node.name for node in nodes if node.type not in _PLAIN_NODES and _MARK not in node]
+    names = [
+        node.name
+        for node in nodes
+        if _MARK not in node and (node.type not in _PLAIN_NODES or _shows_another(node, scene))
+    ]
     if not names:
         return ""
     return f"The compositing holds the artist's own nodes, which stay: {', '.join(names)}"
+
+
+def _shows_another(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
+    """Of a Render Layers node: whether it is of another scene."""
+    return isinstance(node, bpy.types.CompositorNodeRLayers) and node.scene not in (None, scene)
 
 
 def _compose(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, was: dict) -> None:

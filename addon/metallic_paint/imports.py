@@ -60,7 +60,7 @@ def _is_twin(lamp: bpy.types.Object, other: bpy.types.Object) -> bool:
         return False
     one, two = lamp.data, other.data
     same = one.type == two.type and one.energy == two.energy and one.color == two.color
-    return same and lamp.matrix_world == other.matrix_world
+    return same and lamp.matrix_basis == other.matrix_basis  # the world's is not known yet
 
 
 def register() -> None:

@@ -102,19 +102,26 @@ def fill(scene: bpy.types.Scene) -> Report:
             others = "other" if light.hide_render else "brighter"
             left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
-    if not _are_fed_by(group, lights):
+    fed = _are_fed_by(group, lights)
+    if not fed:
         _clear(group)
         for slot, light in enumerate(lights, 1):
-            _feed(group, slot, light, matrices[light])
+            _feed(group, slot, light)
+    for slot, light in enumerate(lights, 1):
+        for socket, value in zip(
+            _inputs(group, slot), _values(light, matrices[light]), strict=True
+        ):
+            _set(socket, value)
+    if not fed:
         for layer in layers:
             layer.update()
-    _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
+    _set(group.nodes[METERS_PER_UNIT].outputs[0], scene.unit_settings.scale_length)
     return Report(tuple(lights), left_out, linked_files())
 
 
 def show_other_light(needed: bool) -> None:
     """Whether the flakes show light from elsewhere than the slots; in a new file they do."""
-    _set(node_group(), OTHER_LIGHT, float(needed))
+    _set(node_group().nodes[OTHER_LIGHT].outputs[0], float(needed))
 
 
 def are_fed() -> bool:
@@ -158,7 +165,7 @@ def _new_group() -> bpy.types.ShaderNodeTree:
     _add_output(group, out, OTHER_LIGHT, "ShaderNodeValue", "NodeSocketFloat")
     _clear(group)
     for name in (METERS_PER_UNIT, OTHER_LIGHT):
-        _set(group, name, 1)
+        _set(group.nodes[name].outputs[0], 1)
     return group
 
 
@@ -180,9 +187,9 @@ def _clear(group: bpy.types.ShaderNodeTree) -> None:
             socket.default_value = 0
 
 
-def _set(group: bpy.types.ShaderNodeTree, name: str, value: float) -> None:
-    socket = group.nodes[name].outputs[0]
-    if socket.default_value != value:
+def _set(socket: bpy.types.NodeSocket, value: float) -> None:
+    """Sockets hold single precision."""
+    if not math.isclose(socket.default_value, value, rel_tol=1e-6, abs_tol=1e-12):
         socket.default_value = value
 
 
@@ -211,23 +218,25 @@ def linked_files() -> tuple[str, ...]:
 # --- drivers -----------------------------------------------------------------------------------
 
 
-def _feed(
-    group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object, matrix: Matrix
-) -> None:
-    """Sets the slot's values, and the drivers that keep them so."""
-    kind, x, y, z, size = _inputs(group, slot)
-    kind.default_value = _KINDS[light.data.type]
+def _values(light: bpy.types.Object, matrix: Matrix) -> tuple[float, ...]:
+    """A slot's five numbers."""
+    kind = _KINDS[light.data.type]
+    if kind == PARALLEL:
+        return kind, *matrix.col[2].xyz.normalized(), math.sin(light.data.angle / 2)
+    return kind, *matrix.translation, light.data.shadow_soft_size
+
+
+def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -> None:
+    """The drivers that keep the slot's values so."""
+    _, *place, size = _inputs(group, slot)
     if light.data.type == "SUN":
-        column, expressions, vector = 2, _DIRECTION, matrix.col[2].xyz.normalized()
-        size.default_value = math.sin(light.data.angle / 2)
+        column, expressions = 2, _DIRECTION
         _drive(size, "sin(angle/2)", {"angle": (light.data, "angle")})
     else:
-        column, expressions, vector = 3, ("x", "y", "z"), matrix.translation
-        size.default_value = light.data.shadow_soft_size
+        column, expressions = 3, ("x", "y", "z")
         _drive(size, "radius", {"radius": (light.data, "shadow_soft_size")})
     variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
-    for socket, value, expression in zip((x, y, z), vector, expressions, strict=True):
-        socket.default_value = value
+    for socket, expression in zip(place, expressions, strict=True):
         _drive(socket, expression, variables)
 
 

@@ -47,6 +47,7 @@ class Needs:
     lights: lights.Report
     other_light: tuple[str, ...]  # what lights the flakes beside the slots, in words; () for none
     own: bool = True  # False: the file has no paint of its own, so nothing was fitted
+    bounces: bool = True  # whether light goes on from what it met
 
     def __str__(self) -> str:
         if not self.own:
@@ -56,7 +57,12 @@ class Needs:
         slots, without = len(self.lights.slots), len(self.lights.left_out)
         lines = str(self.lights).splitlines()
         if not slots:
-            lines.append("No sparkles are computed: no sun, spot or point light renders.")
+            why = (
+                "none of these lights has a slot"
+                if without
+                else "no sun, spot or point light renders"
+            )
+            lines.append(f"No sparkles are computed: {why}.")
         elif without:
             verb = "lights" if without == 1 else "light"
             lines.append(f"{slots + without} lights: {slots} sparkle, {without} {verb} the mean.")
@@ -64,9 +70,14 @@ class Needs:
             *most, last = self.other_light
             shown = f"{', '.join(most)} and {last}" if most else last
             lines.append(f"The flakes also show {shown}.")
-        else:
+        elif self.bounces:
             lines.append(
                 "The flakes show no world, other lights or neighbours: the scene has none."
+            )
+        else:
+            lines.append(
+                "The flakes show no world or other lights: the scene has none; and no neighbours: "
+                "its light does not bounce (Light Paths, Total or Glossy is 0)."
             )
         return "\n".join(lines)
 
@@ -82,7 +93,8 @@ def fit(scene: bpy.types.Scene) -> Needs:
     _state["fitting"] = True  # the scene is updated, which calls handlers
     try:
         report = lights.fill(scene)
-        needs = Needs(report, tuple(_other_light(scene, report)))
+        other_light = tuple(_other_light(scene, report))
+        needs = Needs(report, other_light, bounces=_bounces(scene) > 0)
         lights.show_other_light(bool(needs.other_light))
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)

@@ -259,7 +259,8 @@ class Paint(Flakes):
     texture_contrast: float = _field(
         0.0, "TextureContrast", "Texture Contrast", SUBSTRATE, 0, 1,
         "Relative deviation, from place to place, of the light that is scattered several times or "
-        "by the substrate, seen over 1 mm²; finer pixels see more",
+        "by the substrate, seen over 1 mm²; finer pixels see more, the finest even more than they "
+        "receive", subtype="FACTOR",
     )
     coat_roughness: float = _field(
         0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,

@@ -62,6 +62,65 @@ TEST(Composition, TheRoughHighlightReflectsWhatItsFacetsDo) {
   }
 }
 
+// The share of the light that GGX's facets reflect, each at its own angle, by their normals m
+// (tan^2 = alpha^2 u/(1 - u)) weighted as above: single scattering.
+double reflected_by_facets(double cosine, double alpha, double eta) {
+  const Vec3<double> light{std::sqrt(1 - cosine * cosine), 0, cosine};
+  const auto smith = [alpha](double c) {
+    return 2 / (1 + std::sqrt(1 + alpha * alpha * (1 / (c * c) - 1)));
+  };
+  const int rows = 500, columns = 500;
+  double sum = 0;
+  for (int i = 0; i < rows; ++i) {
+    const double u = (i + 0.5) / rows;
+    const double z = 1 / std::sqrt(1 + alpha * alpha * u / (1 - u)), sine = std::sqrt(1 - z * z);
+    for (int j = 0; j < columns; ++j) {
+      const double phi = 2 * std::numbers::pi * (j + 0.5) / columns;
+      const double facing = sine * std::cos(phi) * light.x + z * light.z;
+      const double out = 2 * facing * z - light.z;
+      if (!(facing > 0 && out > 0)) continue;
+      const double fresnel = 1 - fresnel_transmittance(facing, eta_cos_refracted(facing, eta), eta);
+      sum += fresnel * smith(out) * smith(light.z) * facing / (light.z * z);
+    }
+  }
+  return sum / (rows * columns);
+}
+
+TEST(Composition, TheRoughCoatReflectsWhatItsFacetsDo) {
+  for (double eta : {1.05, 1.2, 1.33, 1.5, 1.8, 2.4}) {
+    double squares = 0;
+    int cases = 0;
+    for (double roughness : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0}) {
+      for (double cosine : {0.02, 0.05, 0.1, 0.17, 0.3, 0.5, 0.7, 0.9, 1.0}) {
+        const double facets = reflected_by_facets(cosine, roughness * roughness, eta);
+        const double off = make_coat(cosine, roughness, eta).reflected - facets;
+        EXPECT_LT(std::fabs(off), eta < 1.2 ? 0.09 : 0.035)
+            << "eta " << eta << " roughness " << roughness << " cosine " << cosine;
+        squares += off * off;
+        ++cases;
+      }
+    }
+    EXPECT_LT(std::sqrt(squares / cases), eta < 1.2 ? 0.02 : 0.01) << eta;
+  }
+}
+
+TEST(Composition, TheCoatLosesNothing) {
+  for (double eta : {0.5, 1.0, 1.5, 3.0}) {
+    for (double roughness : {0.0, 0.01, 0.5, 1.0}) {
+      for (double cosine : {1e-4, 0.1, 0.7, 1.0}) {
+        const Coat<double> coat = make_coat(cosine, roughness, eta);
+        const double passed = fresnel_transmittance(cosine, eta_cos_refracted(cosine, eta), eta);
+        EXPECT_NEAR(coat.reflected + coat.rest * passed, 1, 1e-12);
+        EXPECT_GE(coat.reflected, 0);
+        EXPECT_LE(coat.reflected, 1);
+        if (roughness == 0) {
+          EXPECT_EQ(coat.rest, 1);
+        }
+      }
+    }
+  }
+}
+
 TEST(Composition, TheSmoothHighlightIsTheLightsDisc) {
   const Vec3<double> n{0, 0, 1}, view{0.6, 0, 0.8}, mirrored{-0.6, 0, 0.8};
   const double sin2_half = 1e-4;  // of an angular radius of 0.02

@@ -360,6 +360,31 @@ def test_an_artists_compositing_stays(registered: None) -> None:
     assert "Glare" in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
 
 
+def test_compositing_of_another_scene_is_the_artists() -> None:
+    scene = build()
+    if bpy.app.version < (5, 0):
+        scene.use_nodes = True
+        scene.node_tree.nodes.clear()
+    else:
+        scene.compositing_node_group = bpy.data.node_groups.new("Mine", "CompositorNodeTree")
+    passes = denoise._tree(scene).nodes.new("CompositorNodeRLayers")
+    passes.scene = scene
+    assert denoise.why_not(scene) == ""
+    passes.scene = bpy.data.scenes.new("Other")
+    assert "the artist's own nodes, which stay: Render Layers" in denoise.why_not(scene)
+
+
+def test_a_copy_of_the_scene_keeps_its_light_group() -> None:
+    scene = build()
+    denoise.set_up(scene)
+    copy = scene.copy()  # shows the same lamps
+    denoise.remove(copy)
+    assert scene.objects["Sun"].lightgroup == denoise.LIGHT_GROUP
+    assert denoise.outdated(scene) == ""
+    denoise.remove(scene)
+    assert scene.objects["Sun"].lightgroup == ""
+
+
 def test_nodes_that_an_artist_adds_to_ours_stay() -> None:
     scene = build()
     denoise.set_up(scene)

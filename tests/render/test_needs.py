@@ -93,11 +93,12 @@ def test_a_convex_body_under_suns_needs_no_other_light(ball: bpy.types.Object) -
     assert socket() == 0
 
 
-def test_filling_the_lights_alone_takes_nothing_for_granted(ball: bpy.types.Object) -> None:
-    fit()
-    assert socket() == 0
+def test_filling_the_lights_alone_leaves_other_light_as_it_is(ball: bpy.types.Object) -> None:
     lights.fill(bpy.context.scene)
     assert socket() == 1
+    fit()
+    lights.fill(bpy.context.scene)
+    assert socket() == 0
 
 
 def test_it_is_right_again_after_lights_come_and_go(ball: bpy.types.Object) -> None:
@@ -111,6 +112,7 @@ def test_it_is_right_again_after_lights_come_and_go(ball: bpy.types.Object) -> N
 
 def test_without_a_painted_object_nothing_is_left_out() -> None:
     add_quad()
+    material.create(Paint())  # which no object has
     assert "no object is painted" in other()[0]
 
 
@@ -172,7 +174,9 @@ def test_lights_beyond_the_slots_light_the_mean(ball: object) -> None:
 
 def test_an_instanced_light_lights_the_mean(ball: object) -> None:
     show_as_instance(add_lamp("POINT", "Lamp", location=(0, 0, 5)))
-    assert "lights without a slot" in other()
+    found = fit()
+    assert "lights without a slot" in found.other_light
+    assert "No sparkles are computed: none of these lights has a slot." in str(found)
 
 
 def test_a_hidden_light_counts_only_if_it_may_appear(ball: object) -> None:
@@ -196,6 +200,7 @@ def test_a_neighbour_shows_in_the_flakes_if_light_bounces(ball: object, painted:
     assert other() == ("their neighbours",)
     bpy.context.scene.cycles.glossy_bounces = 0
     assert other() == ()
+    assert "and no neighbours: its light does not bounce" in str(fit())
     bpy.context.scene.cycles.glossy_bounces = 4
     bpy.context.scene.cycles.max_bounces = 0
     assert other() == ()
@@ -415,6 +420,29 @@ def test_a_lamp_outside_a_convex_body_is_no_other_light(ball: object) -> None:
     add_lamp("POINT", "Point", location=(0, 0, 1.3), shadow_soft_size=0.2)
     add_lamp("SPOT", "Spot", location=(3, 0, 0))
     assert other() == ()
+
+
+def test_moving_a_body_does_not_test_its_form_again(
+    ball: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add_sun()
+    assert other() == ()
+    monkeypatch.setattr(needs._Surface, "_is_below", lambda *_: pytest.fail("tested again"))
+    ball.location.x = 0.3
+    bpy.context.view_layer.update()
+    assert other() == ()
+    monkeypatch.undo()
+    ball.data.vertices[0].co *= 0.3
+    ball.data.update()
+    assert other() == ("the paint itself",)
+
+
+def test_a_file_without_paint_of_its_own_gets_no_slots() -> None:
+    for group in list(bpy.data.node_groups):
+        bpy.data.node_groups.remove(group)
+    add_sun()
+    assert str(fit()) == "This file has no metallic paint of its own."
+    assert lights.groups() == []
 
 
 # --- what it says -----------------------------------------------------------------------------

@@ -45,6 +45,9 @@ LOSSLESS = {
     "metal over white": METAL,
     "few flakes": dataclasses.replace(METAL, flakes_per_mm2=300, tilt=0.3),
     "many": dataclasses.replace(METAL, flakes_per_mm2=12_000, tilt=0.08, coat_roughness=0.1),
+    "a rough coat": dataclasses.replace(METAL, coat_roughness=0.5),
+    "a matt coat": dataclasses.replace(METAL, coat_roughness=1.0, binder_ior=1.7),
+    "orange peel": dataclasses.replace(METAL, orange_peel=0.12),
     "wide GGX": dataclasses.replace(METAL, orientation="ggx", tilt=0.5, binder_ior=1.7),
     "flakes that let light through": dataclasses.replace(
         METAL, flake_color=(0.3, 0.5, 0.7), flake_edge_color=(0.3, 0.5, 0.7),
