@@ -35,8 +35,8 @@ APPROXIMATIONS = f"""\
   image of the lamp in the surface is left out, and with it the coat's roughness; flakes are flat
   mirrors, without Flake Spread and diffraction, which matters where Tilt is as small. Beams are
   parallel and detectors points, where an instrument has apertures of some degrees. Three colour
-  channels stand for the spectrum: D65, 2° observer. A perfect diffuser has L\\* 100, so near the mirror
-  direction a metallic paint has more.
+  channels stand for the spectrum: D65, 2° observer. A perfect diffuser has L\\* 100, so near the
+  mirror direction a metallic paint has more.
 - **Flop index**: 2.69 (L\\*15 − L\\*110)^1.11 / L\\*45^0.86, after D. H. Alman (DuPont, 1987), as
   multi-angle instruments have it: 0 for a solid colour, about 15 for a paint of much flop.
 - **Sparkle** is our approximation, since what instruments compute from their pictures is not

@@ -100,7 +100,7 @@ PARTS: dict[str, Text] = {
     "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
     "light slots 2 to 8": one_slot,
     "texture": cut("  if (TextureContrast > 0.0)", "  diffused = diffused * grain"),
-    "orange peel": cut("  if (slope > 0.0)", "  float cos_view"),
+    "orange peel": cut("  if (slope > 0.0)", "  if (inner_product(coat_n"),
     "published composition": cut("      if (Composition ==", "      if (Diagnostic == SHOW_IRR"),
     "coating library": no_library,
     "diagnostics": no_diagnostics,
