@@ -111,11 +111,11 @@ def is_fitting() -> bool:
 
 def scene_to_fit(scene: bpy.types.Scene) -> bpy.types.Scene:
     """This one, unless only others use paint: of these the one fitted last, or the first."""
-    painted = [each for each in bpy.data.scenes if lights.uses_paint(each)]
-    if scene in painted or not painted:
+    if lights.uses_paint(scene):
         return scene
+    painted = {each.name_full: each for each in bpy.data.scenes if lights.uses_paint(each)}
     last = next((group.get(_SCENE) for group in lights.groups()), "")
-    return next((each for each in painted if each.name_full == last), painted[0])
+    return painted.get(last) or next(iter(painted.values()), scene)
 
 
 def is_fitted(scene: bpy.types.Scene) -> bool:
