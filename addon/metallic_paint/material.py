@@ -39,6 +39,8 @@ NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
 MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
 
+NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
+
 _GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
 
 _MARK = "metallic_paint"  # custom properties of the group: its version, and its shader's digest
@@ -219,6 +221,19 @@ def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
     return node.type == "GROUP" and node.node_tree is not None and _MARK in node.node_tree
 
 
+def is_within_group(material: bpy.types.Material) -> bool:
+    """Whether the only paint of the material stands in another node group."""
+    nodes = material.node_tree.nodes if material.node_tree else ()
+    return not any(map(is_paint, nodes)) and lights.holds_slots(material.node_tree)
+
+
+def linked_from(node: bpy.types.ShaderNodeGroup) -> str:
+    """The file whose lights the paint knows, as Blender writes it; empty for the node's own."""
+    trees = (each.node_tree for each in node.node_tree.nodes if each.type == "GROUP")
+    held = [tree for tree in trees if tree is not None and lights.version(tree)]
+    return next((tree.library.filepath for tree in held if tree.library), "")
+
+
 def is_pure(material: bpy.types.Material) -> bool:
     """Whether the material is the paint and no more: opaque, undisplaced, without a volume."""
     out = material.node_tree.get_output_node("CYCLES") if material.node_tree else None
@@ -244,8 +259,15 @@ def set_up_cycles(scene: bpy.types.Scene) -> None:
     scene.cycles.shading_system = True
 
 
+def has_osl() -> bool:
+    """Whether this Blender was built with Open Shading Language."""
+    return getattr(bpy.app.build_options, "cycles_osl", True)
+
+
 def missing(scene: bpy.types.Scene) -> str:
     """What the scene lacks to show a paint, in a sentence; empty if it renders with OSL."""
+    if not has_osl():
+        return NO_OSL
     if scene.render.engine != "CYCLES":
         return "The scene does not render with Cycles: the paint shows in Cycles only."
     if not scene.cycles.shading_system:

@@ -51,9 +51,13 @@ def has_outdated() -> bool:
 
 
 def update() -> Report:
-    """Gives every paint node of the file that can be edited today's group."""
+    """Gives every paint node of the file that can be edited today's group.
+
+    Raises RuntimeError, with nothing changed, where the shader does not compile.
+    """
     report = Report()
     nodes = list(_outdated_nodes())
+    material.node_group()  # where the shader does not compile, all stays as it is
     for tree, node in nodes:
         if node.id_data.is_editable:
             report.lost |= _update(tree, node)

@@ -17,9 +17,13 @@ if TYPE_CHECKING:
 PAINTABLE = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD"}
 
 
+def active_material(context: bpy.types.Context) -> bpy.types.Material | None:
+    return getattr(context, "material", None) or getattr(context.object, "active_material", None)
+
+
 def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     """The paint node of the context's material: the active one if there are several."""
-    of = getattr(context, "material", None) or getattr(context.object, "active_material", None)
+    of = active_material(context)
     if of is None or of.node_tree is None:
         return None
     paints = [node for node in of.node_tree.nodes if material.is_paint(node)]
@@ -27,7 +31,11 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     return active if active in paints else next(iter(paints), None)
 
 
+# What the shader's compilation may end in: the compiler's word, or no place for its files.
+UNCOMPILED = (RuntimeError, OSError)
+
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
+WITHIN_GROUP = "The paint stands within a node group"
 LINKED = "The {} is linked from another file and cannot be changed"
 
 
@@ -50,6 +58,17 @@ def can_change(operator: type[bpy.types.Operator], datablock: bpy.types.ID, what
 def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:
     for line in text.splitlines():
         operator.report({kind}, line)
+
+
+def cannot_compile(operator: bpy.types.Operator, error: Exception) -> set[OperatorReturnItems]:
+    """Ends an operator that could not make the paint's shader."""
+    reason = str(error)
+    if not material.has_osl():
+        reason = material.NO_OSL
+    elif isinstance(error, OSError):
+        reason = f"The paint's shader cannot be compiled: {error}"
+    operator.report({"ERROR"}, reason)
+    return {"CANCELLED"}
 
 
 def fit(operator: bpy.types.Operator, context: bpy.types.Context) -> None:
@@ -102,7 +121,11 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
         except presets.PresetError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        context.object.active_material = material.create(paint, title(self.preset))
+        try:
+            painted = material.create(paint, title(self.preset))
+        except UNCOMPILED as error:
+            return cannot_compile(self, error)
+        context.object.active_material = painted
         fit(self, context)
         return {"FINISHED"}
 
@@ -135,12 +158,17 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
     ) -> set[OperatorReturnItems]:
         context.space_data.cursor_location_from_region(event.mouse_region_x, event.mouse_region_y)
         result = self.execute(context)
+        if result != {"FINISHED"}:
+            return result
         bpy.ops.node.translate_attach_remove_on_cancel("INVOKE_DEFAULT")
         return result
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         tree = context.space_data.edit_tree
-        node = material.add_node(tree, Paint())
+        try:
+            node = material.add_node(tree, Paint())
+        except UNCOMPILED as error:
+            return cannot_compile(self, error)
         node.location = context.space_data.cursor_location
         for other in tree.nodes:
             other.select = other == node
@@ -178,6 +206,9 @@ class SCENE_OT_metallic_paint_use_osl(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        if not material.has_osl():
+            cls.poll_message_set(material.NO_OSL.rstrip("."))
+            return False
         return has_cycles(cls, context) and can_change(cls, context.scene, "scene")
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
@@ -201,7 +232,10 @@ values, links and animation stay; their look may change"""
         return has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
-        report = migration.update()
+        try:
+            report = migration.update()
+        except UNCOMPILED as error:
+            return cannot_compile(self, error)
         report_of(self, str(report), "WARNING" if report.lost or report.linked else "INFO")
         fit(self, context)
         return {"FINISHED"}

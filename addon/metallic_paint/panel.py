@@ -32,19 +32,30 @@ _LINKED = (
 )
 
 
+_WITHIN_GROUP = (
+    f"{operators.WITHIN_GROUP}: open the group in the shader editor to edit it. Presets are for "
+    "paints that stand in the material itself."
+)
+
+
 class _PaintPanel:
     bl_label = "Metallic Paint"
     layout: bpy.types.UILayout  # of the panels
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        if operators.paint_node(context) is None:
-            layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
-        layout.menu("MATERIAL_MT_metallic_paint_presets", icon="PRESET")
+        of = operators.active_material(context)
+        if of is not None and material.is_within_group(of):
+            draw_lines(layout, _WITHIN_GROUP, "INFO")  # a new paint would replace the material
+        else:
+            if operators.paint_node(context) is None:
+                layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
+            layout.menu("MATERIAL_MT_metallic_paint_presets", icon="PRESET")
         if missing := material.missing(context.scene):
             box = layout.box()
             draw_lines(box, missing, "ERROR")
-            box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
+            if material.has_osl():
+                box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
         elif operators.paint_node(context) is not None and not _shows_in(context.screen):
             draw_lines(layout, "The paint shows in the Rendered view only.", "INFO")
         if migration.has_outdated():

@@ -25,6 +25,7 @@ import numpy as np
 from bpy.props import IntProperty
 
 from . import lights, material, scene_report, shader, verify
+from .operators import WITHIN_GROUP
 from .paint import PaintError, core_paint
 from .panel import SubPanel, draw_lines
 
@@ -52,6 +53,7 @@ _ENDS = (VerifyError, OSError, RuntimeError, ValueError, EOFError)
 class Found:
     """How the region agrees with the core."""
 
+    of: str  # object and material, and the scene
     region: tuple[int, int, int, int]  # left, bottom, right, top: pixels of the frame
     pixels: int  # with paint in them, times the flake species and the lights that reach them
     same_count: int
@@ -74,7 +76,7 @@ class Found:
     def __str__(self) -> str:
         left, bottom, right, top = self.region
         lines = [
-            f"Pixels {left}..{right - 1} × {bottom}..{top - 1} "
+            f"{self.of}: pixels {left}..{right - 1} × {bottom}..{top - 1} "
             f"{'agree' if self.agrees else 'DO NOT agree'} with the core.",
             f"The same count in {self.same_count} of {self.pixels}; otherwise the pixel's edge "
             f"({self.at_pixel_edge}), rounding ({self.at_threshold}), "
@@ -96,8 +98,13 @@ def why_not(scene: bpy.types.Scene, thing: bpy.types.Object | None) -> str:
         return f"{missing} The paint works without it"
     if scene.camera is None:
         return "The scene has no camera"
-    if _painted(thing) is None:
+    painted = _painted(thing)
+    if painted is None:
         return "Select an object with a metallic paint"
+    if material.is_within_group(painted):
+        return f"{WITHIN_GROUP}, where it cannot be checked"
+    if file := material.linked_from(material.paint_node(painted)):
+        return f"The paint is linked from {file} and keeps its lights: check it in that file"
     return ""
 
 
@@ -114,18 +121,17 @@ def _unlike_core(painted: bpy.types.Material) -> str:
 
 
 def _painted(thing: bpy.types.Object | None) -> bpy.types.Material | None:
-    """The object's active material if it is a paint, or else its first paint."""
+    """The object's active material if it is a paint, or else its first paint.
+
+    Without any, the first that holds one within a node group.
+    """
     slots = (
         []
         if thing is None
         else [thing.active_material, *(s.material for s in thing.material_slots)]
     )
-    return next((each for each in slots if each is not None and _has_paint(each)), None)
-
-
-def _has_paint(painted: bpy.types.Material) -> bool:
-    nodes = painted.node_tree.nodes if painted.node_tree else ()
-    return any(map(material.is_paint, nodes))
+    held = [each for each in slots if each is not None and lights.holds_slots(each.node_tree)]
+    return min(held, key=material.is_within_group, default=None)
 
 
 class Job:
@@ -339,7 +345,8 @@ def check(
     if not totals["pixels"]:
         raise VerifyError(f"No light with a slot reaches {thing.name} in the region.")
     notes.append(f"The core is metallic_paint_core {core.__version__}.")
-    found = Found(region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
+    of = f"{thing.name}, {painted.name} ({scene.name})"
+    found = Found(of, region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
                   notes=tuple(notes))  # fmt: skip
     return dataclasses.asdict(found)
 
@@ -369,8 +376,6 @@ class _Probe(verify.Probe):
 
 def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str]:
     """The paint alone as the surface, its parameters constant; returns what that leaves out."""
-    if painted.library is not None:
-        painted.make_local()
     layer.update()
     node = material.paint_node(painted)
     evaluated = painted.evaluated_get(layer.depsgraph).node_tree.nodes[node.name]
@@ -520,7 +525,7 @@ pixel against the core. The pictures become images of this file"""
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[OperatorReturnItems]:
-        if event.type == "ESC":
+        if event.type == "ESC" and event.value == "PRESS":
             self.cancel(context)
             self.report({"INFO"}, "The check was stopped")
             return {"CANCELLED"}

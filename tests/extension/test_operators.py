@@ -177,6 +177,90 @@ def test_paint_node_refuses_to_stand_in_a_paint(addon: Addon, editor: bpy.types.
             bpy.ops.node.metallic_paint_add()
 
 
+# --- a Blender that cannot compile ------------------------------------------------------------
+
+
+@pytest.fixture(params=["compiler", "no osl", "no folder"])
+def uncompiled(
+    request: pytest.FixtureRequest, addon: Addon, monkeypatch: pytest.MonkeyPatch
+) -> str:
+    """What the refusal says."""
+
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied", "/tmp/a")
+
+    if request.param == "no folder":
+        monkeypatch.setattr(addon("shader").tempfile, "TemporaryFile", refuse)
+        return "The paint's shader cannot be compiled: .*Permission denied"
+    monkeypatch.setattr(addon("shader"), "source", lambda: "shader broken(")
+    if request.param == "compiler":
+        return r"metallic_paint.osl[.\d]* does not compile as OSL"
+    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
+    return "This Blender was built without Open Shading Language"
+
+
+def held() -> list[str]:
+    kinds = (bpy.data.materials, bpy.data.node_groups, bpy.data.texts, bpy.data.scenes)
+    return [each.name for kind in kinds for each in kind]
+
+
+def test_new_paint_that_does_not_compile_leaves_nothing(
+    cube: bpy.types.Object, uncompiled: str
+) -> None:
+    before = held()
+    with pytest.raises(RuntimeError, match=uncompiled) as refusal:
+        bpy.ops.material.metallic_paint_new()
+    assert "Traceback" not in str(refusal.value)
+    assert held() == before
+    assert not cube.material_slots
+
+
+def test_paint_node_that_does_not_compile_leaves_nothing(
+    editor: bpy.types.Area, uncompiled: str
+) -> None:
+    before, nodes = held(), editor.spaces.active.edit_tree.nodes.keys()
+    with pytest.raises(RuntimeError, match=uncompiled) as refusal:
+        bpy.ops.node.metallic_paint_add()
+    assert "Traceback" not in str(refusal.value)
+    assert held() == before
+    assert editor.spaces.active.edit_tree.nodes.keys() == nodes
+
+
+@pytest.fixture
+def older(addon: Addon, cube: bpy.types.Object) -> bpy.types.ShaderNodeGroup:
+    """An animated paint of an older shader, made before the compiler fails."""
+    bpy.ops.material.metallic_paint_new()
+    node = addon("material").paint_node(cube.active_material)
+    node.inputs["Tilt"].keyframe_insert("default_value", frame=1)
+    node.node_tree["metallic_paint_source"] = "older"
+    assert addon("migration").has_outdated()
+    return node
+
+
+def test_update_that_does_not_compile_leaves_the_paints_as_they_are(
+    addon: Addon, older: bpy.types.ShaderNodeGroup, uncompiled: str
+) -> None:
+    node, tree, before = older, older.id_data, held()
+    group, links = node.node_tree, len(tree.links)
+    with pytest.raises(RuntimeError, match=uncompiled) as refusal:
+        bpy.ops.material.metallic_paint_update()
+    assert "Traceback" not in str(refusal.value)
+    assert held() == before
+    assert (node.node_tree, len(tree.links)) == (group, links)
+    number = node.inputs.keys().index("Tilt")
+    [path] = {curve.data_path for curves in addon("migration")._curves(tree) for curve in curves}
+    assert path == f'nodes["{node.name}"].inputs[{number}].default_value'
+
+
+def test_a_blender_without_osl_is_not_offered_it(
+    addon: Addon, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
+    assert "built without Open Shading" in addon("material").missing(bpy.context.scene)
+    with pytest.raises(RuntimeError, match="built without Open Shading Language"):
+        bpy.ops.scene.metallic_paint_use_osl()
+
+
 # --- the scene ---------------------------------------------------------------------------------
 
 

@@ -77,6 +77,32 @@ def test_panel_names_the_files_of_linked_paints(cube: bpy.types.Object, tmp_path
     assert "Append them instead" in shown
 
 
+def test_panel_does_not_offer_to_replace_a_paint_within_a_node_group(
+    cube: bpy.types.Object,
+) -> None:
+    bpy.ops.material.metallic_paint_new()
+    tree = cube.active_material.node_tree
+    [paint] = [node for node in tree.nodes if node.type == "GROUP"]
+    outer = bpy.data.node_groups.new("Mine", "ShaderNodeTree")
+    outer.nodes.new("ShaderNodeGroup").node_tree = paint.node_tree
+    paint.node_tree = outer
+    for of in (bpy.types.MATERIAL_PT_metallic_paint, bpy.types.NODE_PT_metallic_paint):
+        shown = drawn(of)
+        assert "material.metallic_paint_new" not in shown.names
+        assert not shown.menus
+        text = " ".join(shown.texts)
+        assert "within a node group: open the group in the shader editor to edit it." in text
+
+
+def test_panel_offers_no_osl_where_there_is_none(
+    addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
+    shown = panel()
+    assert "built without Open Shading Language" in " ".join(shown.texts)
+    assert "scene.metallic_paint_use_osl" not in shown.names
+
+
 def test_panel_says_where_the_paint_shows(
     addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
 ) -> None:

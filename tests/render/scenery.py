@@ -28,6 +28,31 @@ def show_as_instance(thing: bpy.types.Object) -> bpy.types.Object:
     return empty
 
 
+def nest_paint(painted: bpy.types.Material) -> None:
+    """Puts the material's paint into a node group of the artist's."""
+    tree = painted.node_tree
+    [paint] = [node for node in tree.nodes if node.type == "GROUP"]
+    outer = bpy.data.node_groups.new("Mine", "ShaderNodeTree")
+    outer.interface.new_socket("Surface", in_out="OUTPUT", socket_type="NodeSocketShader")
+    inner = outer.nodes.new("ShaderNodeGroup")
+    inner.node_tree = paint.node_tree
+    outer.links.new(inner.outputs[0], outer.nodes.new("NodeGroupOutput").inputs[0])
+    paint.node_tree = outer
+    tree.links.new(paint.outputs[0], tree.get_output_node("CYCLES").inputs["Surface"])
+
+
+def link_paint(thing: bpy.types.Object, file: Path) -> bpy.types.Material:
+    """Gives the thing its material again, linked from the new file; the file's own paints go."""
+    bpy.data.libraries.write(str(file), {thing.active_material})
+    name = thing.active_material.name
+    for each in (*bpy.data.materials, *bpy.data.node_groups):
+        bpy.data.batch_remove([each])
+    with bpy.data.libraries.load(str(file), link=True) as (_, here):
+        here.materials = [name]
+    thing.active_material = here.materials[0]
+    return here.materials[0]
+
+
 def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
     """Into the scene: the lamp as it is now, linked from the new file."""
     bpy.data.libraries.write(str(file), {lamp})

@@ -17,7 +17,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 from manual import Strip
-from metallic_paint import material, presets
+from metallic_paint import material, presets, quality
 from metallic_paint.paint import PANELS, PARAMETERS, value_of
 
 FOLDER = Path(manual.__file__).parent.parent / "docs" / "manual"
@@ -101,6 +101,20 @@ def test_every_button_and_panel_is_named() -> None:
         assert f"**{each.bl_label}**" in TEXT
     for each in panels:
         assert each.bl_label in TEXT
+
+
+def test_every_choice_of_the_panel_is_named_where_the_manual_tells_of_it() -> None:
+    [sentence] = [line for line in TEXT.splitlines() if "the panel's **Choices** sets" in line]
+    for name, parameter in OWN.items():
+        assert (parameter.label in sentence) == bool(parameter.choices), name
+    assert "of each species" in sentence
+
+
+def test_buttons_of_the_quality_are_named_by_what_they_read() -> None:
+    for text in map(str.title, quality.QUALITIES):
+        assert f"**{text}**" in TEXT
+    table = TEXT.partition("## When something looks wrong")[2]
+    assert "Set Quality" not in table
 
 
 def test_links_lead_somewhere() -> None:

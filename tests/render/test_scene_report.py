@@ -6,15 +6,17 @@ from __future__ import annotations
 import math
 import re
 import sys
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
 import numpy as np
 import panels
 import pytest
-from metallic_paint import denoise, lights, material, presets, scene_report, verify
+from metallic_paint import denoise, lights, material, needs, presets, scene_report, verify
 from recording import drawn
-from scenery import add_lamp, show_as_instance
+from scenery import add_lamp, link_paint, nest_paint, show_as_instance
 
 SIZE = 64
 
@@ -239,6 +241,134 @@ def test_an_older_paint_is_named_and_the_others_are_reported_on() -> None:
     thing.data.materials.append(older)
     assert bad(scene) == "Ball, Older: The paint is of an older version: update it first."
     assert "Ball, Metallic Paint: " in said(scene, "INFO")
+
+
+def test_a_linked_paint_keeps_its_lights_and_that_is_said(tmp_path: Path) -> None:
+    scene = build()
+    link_paint(scene.objects["Ball"], tmp_path / "theirs.blend")
+    text = said(scene)
+    linked = rf"Ball: the paint is linked from {re.escape(str(tmp_path))}.theirs\.blend"
+    assert re.search(f"{linked} and keeps the lights that it has there", text)
+    assert "flakes a pixel" not in text
+
+
+def test_a_file_of_linked_paints_alone_is_not_told_to_add_lights(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = build()
+    link_paint(scene.objects["Ball"], tmp_path / "theirs.blend")
+    nothing = needs.Needs(lights.Report((), {}, lights.linked_files()), ())
+    monkeypatch.setattr(needs, "fit", lambda _: nothing)
+    assert not lights.groups()
+    text = said(scene)
+    assert "keeps the lights that it has there" in text
+    assert "Nothing sparkles" not in text
+    assert not lights.groups()
+
+
+def test_a_paint_within_a_node_group_is_told_of() -> None:
+    scene = build()
+    nest_paint(scene.objects["Ball"].active_material)
+    text = "Ball: the paint stands within a node group, of which nothing can be foretold."
+    assert text in said(scene, "INFO").splitlines()
+
+
+def test_a_blender_without_osl_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = build()
+    assert material.has_osl()
+    monkeypatch.setattr(material, "has_osl", lambda: False)
+    assert "built without Open Shading Language" in said(scene, "ERROR")
+
+
+def add_balls(number: int, painted: bool) -> None:
+    """More of the ball: painted ones behind it, the others outside the picture."""
+    ball = bpy.data.objects["Ball"]
+    mesh = ball.data
+    if not painted:
+        mesh = ball.data.copy()
+        mesh.materials.clear()
+    for i in range(number):
+        other = bpy.data.objects.new(f"Other {i}", mesh)
+        other.location = (0.004 * i - 0.02, 0.05, 0) if painted else (1 + i, 0, 0)
+        bpy.context.scene.collection.objects.link(other)
+
+
+def test_a_scene_of_ordinary_size_is_reported_on_at_once() -> None:
+    scene = build()
+    add_balls(10, painted=True)
+    add_balls(1000, painted=False)
+    begin = time.process_time()
+    text = said(scene)
+    assert time.process_time() - begin < 4  # 0.5 s; with each ray through the scene, 13 s
+    assert text.count("Other") + text.count("Ball") >= 11
+    assert "Left out" not in text
+    assert re.search(r"Ball: [\d.,]+ flakes a pixel", text)
+
+
+def test_of_very_many_objects_the_largest_are_looked_at_and_the_rest_is_counted() -> None:
+    scene = build()
+    add_balls(99, painted=True)
+    text = said(scene)
+    most = scene_report._effort(100, 102).objects
+    assert f"Left out, being smaller in the picture: {100 - most} more painted surfaces." in text
+    assert "Ball: " in text
+    assert len(set(re.findall(r"^(?:Ball|Other \d+): ", text, re.MULTILINE))) == most
+
+
+def test_few_rays_through_the_scene_tell_what_stands_before_an_object() -> None:
+    scene = build()
+    ball = scene.objects["Ball"]
+    bpy.ops.mesh.primitive_plane_add(
+        size=1, location=(0.505, -0.1, 0), rotation=(math.pi / 2, 0, 0)
+    )
+    layer = scene.view_layers[0]
+    few, all_ = (
+        scene_report.look(scene, layer, ball, ball.active_material, 1,
+                          scene_report.Effort(1, 40, tests))
+        for tests in (100, 1600)
+    )  # fmt: skip
+    assert all_.raster[:, 0].max() < 0.6 * SIZE
+    assert few.pixels == pytest.approx(all_.pixels, rel=0.05)
+    assert np.median(few.footprint) == pytest.approx(np.median(all_.footprint), rel=0.02)
+    bpy.context.object.location.x = 0
+    little = scene_report.Effort(1, 40, 8)
+    with pytest.raises(ValueError, match="nothing of it, or little"):
+        scene_report.look(scene, layer, ball, ball.active_material, 1, little)
+
+
+def test_curves_are_looked_at_by_their_polygons_and_materials() -> None:
+    scene = build()
+    painted = scene.objects["Ball"].active_material
+    bpy.data.objects.remove(scene.objects["Ball"])
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add(radius=0.02)
+    bpy.context.object.name = "Sphere"
+    bpy.context.object.data.materials.append(painted)
+    seen = scene_report.look(scene, scene.view_layers[0], bpy.context.object, painted, 1)
+    np.testing.assert_allclose(np.linalg.norm(seen.normal, axis=1), 1, atol=1e-5)
+    outwards = seen.position / np.linalg.norm(seen.position, axis=1, keepdims=True)
+    assert np.abs((outwards * seen.normal).sum(axis=1)).min() > 0.99
+    assert seen.pixels == pytest.approx(math.pi / 4 * (SIZE / 2) ** 2, rel=0.1)
+    bpy.context.object.data.materials[0] = None
+    bpy.context.object.data.materials.append(painted)
+    assert "Sphere: the camera does not see it" in said(scene, "INFO")
+
+
+def test_hair_is_told_of() -> None:
+    """Blender crashes where a ray is cast at it, or at points."""
+    scene = build()
+    data = bpy.data.hair_curves.new("Strands")
+    data.add_curves([2])
+    data.points[1].position = (0.02, 0.02, 0.02)
+    data.materials.append(scene.objects["Ball"].active_material)
+    bpy.data.objects.remove(scene.objects["Ball"])
+    scene.collection.objects.link(bpy.data.objects.new("Strands", data))
+    assert "Strands: nothing can be foretold of hair and points." in said(scene, "INFO")
+
+
+def test_what_is_hidden_in_the_viewport_is_told_of() -> None:
+    scene = build()
+    scene.objects["Ball"].hide_viewport = True
+    assert "Ball: it is hidden in the viewport, so nothing can be foretold" in said(scene, "INFO")
 
 
 def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:

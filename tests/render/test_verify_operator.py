@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ import panels
 import pytest
 from metallic_paint import material, presets, verify, verify_operator, verify_process
 from recording import drawn
-from scenery import add_lamp, link_namesake, show_as_instance
+from scenery import add_lamp, link_namesake, link_paint, nest_paint, show_as_instance
 
 SIZE = 40
 
@@ -96,6 +97,7 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
     assert bpy.ops.scene.metallic_paint_verify(size=SIZE) == {"FINISHED"}
     assert state() == before
     text = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    assert "Monkey, Metallic Paint (Scene): pixels " in text
     assert "agree with the core" in text
     assert "DO NOT" not in text
     shown, wanted, difference = (
@@ -214,7 +216,9 @@ def operator() -> Iterator[SimpleNamespace]:
     running = SimpleNamespace(_timer=None, reported=[])
     running.report = lambda kind, text: running.reported.append(text)
     running.cancel = lambda of: cls.cancel(running, of)
-    running.send = lambda kind: cls.modal(running, context, SimpleNamespace(type=kind))
+    running.send = lambda kind, value="PRESS": cls.modal(
+        running, context, SimpleNamespace(type=kind, value=value)
+    )
     yield running
     while verify_operator._running:
         verify_operator._running.pop().close()
@@ -258,6 +262,7 @@ def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     scene = build()
     job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
     verify_operator._running.append(job)
+    assert operator.send("ESC", "RELEASE") == {"PASS_THROUGH"}  # of the key that closed a menu
     assert operator.send("ESC") == {"CANCELLED"}
     assert not verify_operator._running
     assert not job.folder.exists()
@@ -274,6 +279,28 @@ def test_what_shows_as_instances_alone_is_said() -> None:
     show_as_instance(thing)
     with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
         verify_operator.run(scene, thing, SIZE)
+
+
+def test_a_linked_paint_is_refused_as_it_keeps_the_lights_of_its_file(tmp_path: Path) -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    link_paint(thing, tmp_path / "theirs.blend")
+    said = verify_operator.why_not(scene, thing)
+    assert re.search(r"linked from .*theirs\.blend and keeps its lights: check it in that", said)
+    with pytest.raises(verify_operator.VerifyError, match="keeps its lights"):
+        verify_operator.run(scene, thing, SIZE)
+
+
+def test_a_paint_within_a_node_group_is_told_of_and_a_plain_one_is_taken() -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    plain = thing.active_material.copy()
+    nest_paint(thing.active_material)
+    said = "The paint stands within a node group, where it cannot be checked"
+    assert verify_operator.why_not(scene, thing) == said
+    thing.data.materials.append(plain)
+    assert verify_operator.why_not(scene, thing) == ""
+    assert verify_operator._painted(thing) == plain
 
 
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
