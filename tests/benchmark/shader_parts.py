@@ -3,7 +3,8 @@
 
 For each part: the time per sample of the shader with the part absent through its inputs, over that
 of a shader from whose text the part is cut; sparkles are absent where a world is the only light.
-And the whole against a Principled BSDF. Run it on a quiet machine, from a Python with bpy (build/env-4.5):
+And the whole against a Principled BSDF. Run it on a quiet machine, from a Python with bpy
+(build/env-4.5):
 
     build/env-4.5/bin/python tests/benchmark/shader_parts.py
 
