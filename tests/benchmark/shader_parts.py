@@ -2,8 +2,9 @@
 """What the parts of the shader cost where a scene does not use them: nothing, within 3 %.
 
 For each part: the time per sample of the shader with the part absent through its inputs, over that
-of a shader from whose text the part is cut. And the whole against a Principled BSDF. Run it on a
-quiet machine, from a Python with bpy (build/env-4.5):
+of a shader from whose text the part is cut; sparkles are absent where a world is the only light.
+And the whole against a Principled BSDF. Run it on a quiet machine, from a Python with bpy
+(build/env-4.5):
 
     build/env-4.5/bin/python tests/benchmark/shader_parts.py
 
@@ -95,6 +96,11 @@ def no_diagnostics(text: str) -> str:
     return re.sub(r"\bDiagnostic (!=|==|>=|<|>) SHOW_", r"0 \1 SHOW_", text)
 
 
+def no_sparkles(text: str) -> str:
+    text = cut("  ADD_SLOT(0,", "  // Changes with")(text)
+    return cut("  for (int i = 0; sparkling && ", "  if (Diagnostic == SHOW_PIXEL)")(text)
+
+
 PARTS: dict[str, Text] = {
     "second and third species": one_species,
     "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
@@ -107,6 +113,11 @@ PARTS: dict[str, Text] = {
 }
 
 
+# Under a world, without a lamp in the slots: the whole paint and the part.
+WHOLE_UNLIT = "the paint, no sparkling light"
+UNLIT_PARTS: dict[str, Text] = {"sparkles": no_sparkles}
+
+
 def everything(text: str) -> str:
     for edit in PARTS.values():
         text = edit(text)
@@ -114,15 +125,18 @@ def everything(text: str) -> str:
 
 
 class Bench:
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, lit: bool = True) -> None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         self.scene = bpy.context.scene
-        spec = verify_scenes.Scene("bench", (verify_scenes.SUN,), orthographic=True, width=0.2)
+        lamps = (verify_scenes.SUN,) if lit else ()
+        spec = verify_scenes.Scene("bench", lamps, orthographic=True, width=0.2)
         self.plane = verify_scenes.build(self.scene, spec, size)
         verify.make_noiseless(self.scene)
         self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 2
         self.samples = SAMPLES * size * size
-        lights.show_other_light(False)
+        lights.show_other_light(not lit)
+        if not lit:
+            self.scene.world = bpy.data.worlds.new("World")
 
     def painted(self, edit: Text = str) -> bpy.types.Material:
         """A paint whose shader has the edited text."""
@@ -148,7 +162,7 @@ class Bench:
 
 def show_operations(name: str) -> None:
     """Renders one sample of the variant, after which OSL prints its statistics."""
-    bench = Bench(8)
+    bench = Bench(8, lit=not is_unlit(name))
     material.assign(bench.plane, bench.painted(cuts()[name]))
     bpy.ops.render.render()
 
@@ -164,7 +178,12 @@ def operations(name: str) -> int:
 
 
 def cuts() -> dict[str, Text]:
-    return {WHOLE: str, **PARTS, "all of these": everything}
+    lit = {WHOLE: str, **PARTS, "all of these": everything}
+    return {**lit, WHOLE_UNLIT: str, **UNLIT_PARTS}
+
+
+def is_unlit(name: str) -> bool:
+    return name == WHOLE_UNLIT or name in UNLIT_PARTS
 
 
 def principled() -> bpy.types.Material:
@@ -190,19 +209,19 @@ def main() -> int:
     if arguments.show_operations:
         show_operations(arguments.show_operations)
         return 0
-    chosen = {
-        name: edit for name, edit in cuts().items() if arguments.only in name or name == WHOLE
-    }
+    wholes = (WHOLE, WHOLE_UNLIT)
+    chosen = {name: edit for name, edit in cuts().items() if arguments.only in name}
+    chosen = {name: edit for name, edit in cuts().items() if name in chosen or name in wholes}
 
-    print(f"{'variant':<28}{'operations':>12}{'the paint over it':>19}")
-    whole = operations(WHOLE)
+    print(f"{'variant':<30}{'operations':>12}{'the paint over it':>19}")
+    whole = {name: operations(name) for name in wholes}
     left = {}
     report = []
     for name, edit in chosen.items():
-        kept = operations(name)
-        ratio = whole / kept
-        print(f"{name:<28}{kept:>12}{ratio:>19.3f}", flush=True)
-        if ratio != 1 or name == WHOLE:
+        kept = whole[name] if name in whole else operations(name)
+        ratio = whole[WHOLE_UNLIT if is_unlit(name) else WHOLE] / kept
+        print(f"{name:<30}{kept:>12}{ratio:>19.3f}", flush=True)
+        if ratio != 1 or name in whole:
             left[name] = edit
         else:
             title = f"{name}: operations of the paint without it over those where it is cut"
@@ -215,24 +234,32 @@ def main() -> int:
 
 
 def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]:
-    bench = Bench(size)
+    unlit = {name: edit for name, edit in chosen.items() if is_unlit(name)}
+    lit = {name: edit for name, edit in chosen.items() if name not in unlit}
+    print(f"\n{'variant':<30}{'ns per sample':>14}{'the paint over it':>19}{'quartiles':>15}")
+    return race_in(Bench(size), lit, repetitions) + (
+        race_in(Bench(size, lit=False), unlit, repetitions) if len(unlit) > 1 else []
+    )
+
+
+def race_in(bench: Bench, chosen: dict[str, Text], repetitions: int) -> list[bars.Bar]:
     bench.scene.render.use_persistent_data = True  # keeps the shader compiled
     no_mixture = cut("    scattered = mixture(", "  color glossed",
                      "    scattered.diffuse_albedo = substrate;\n")  # fmt: skip
     variants = {name: bench.painted(edit) for name, edit in chosen.items()}
-    whole = variants.pop(WHOLE)
+    whole = variants.pop(next(iter(chosen)))
     variants["the paint again, for noise"] = bench.painted()
-    variants["mixture (present; cut)"] = bench.painted(no_mixture)
-    variants["Principled, metallic, coat"] = principled()
+    if WHOLE in chosen:
+        variants["mixture (present; cut)"] = bench.painted(no_mixture)
+        variants["Principled, metallic, coat"] = principled()
 
     report = []
-    print(f"\n{'variant':<28}{'ns per sample':>14}{'the paint over it':>19}{'quartiles':>15}")
     for name, variant in variants.items():
         pairs = [(bench.time(whole), bench.time(variant)) for _ in range(repetitions)]
         low, ratio, high = statistics.quantiles((a / b for a, b in pairs), n=4)
         taken = statistics.median(b for _, b in pairs)
-        print(f"{name:<28}{taken:>14.0f}{ratio:>19.3f}{low:>9.3f}{high:>6.3f}", flush=True)
-        if name in PARTS:
+        print(f"{name:<30}{taken:>14.0f}{ratio:>19.3f}{low:>9.3f}{high:>6.3f}", flush=True)
+        if name in PARTS or name in UNLIT_PARTS:
             title = f"{name}: time of the paint without it over time where it is cut from the text"
             report.append(bars.at_most(title, ratio, LIMIT))
     return report

@@ -362,6 +362,16 @@ TEST(Mixture, IsSoundForEveryValidPaint) {
     const double most = 1 - paint.flake_transmission.x;
     paint.flake_color = grey(end_or(0, most, most * random.uniform()));
     paint.flake_edge_color = grey(end_or(0, most, most * random.uniform()));
+    // Every other paint is of one to three species of the library.
+    for (int j = 0, used = random.below(2) == 0 ? 0 : 1 + random.below(3); j < used; ++j) {
+      FlakeSpecies species = library_species(random, random.log_uniform(1e-3, 10), 1e-6);
+      species.flakes_per_mm2 = end_or(0, 1e9, species.flakes_per_mm2);
+      const double widest = species.orientation == Orientation::gaussian ? 100 : 1;
+      species.tilt = end_or(1e-6, widest, random.log_uniform(1e-4, 1));
+      species.coating_nm = end_or(0, 200, species.coating_nm);
+      (j == 0 ? static_cast<FlakeSpecies&>(paint) : paint.more[static_cast<std::size_t>(j - 1)]) =
+          species;
+    }
     paint.binder_ior = end_or(0.1, 10, random.log_uniform(0.3, 3));
     if (random.below(4) == 0) paint.binder_ior = 1 + (random.below(2) == 0 ? 1e-7 : -1e-7);
     paint.layer_thickness_um = end_or(0, 1e6, 30);
