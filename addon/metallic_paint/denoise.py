@@ -347,7 +347,8 @@ def _take_down(scene: bpy.types.Scene, was: dict) -> None:
         pass  # broke off before it was made
     elif _BLENDER_5:
         scene.compositing_node_group = was.get("tree")
-        bpy.data.node_groups.remove(tree)
+        if not tree.users:  # a copy of the scene may have it too
+            bpy.data.node_groups.remove(tree)
     else:
         del tree[_MARK]
         tree.nodes.clear()

@@ -77,7 +77,7 @@ def one_species(text: str) -> str:
 
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
-    text = cut("  group_lights(seen, leader", "\n  // Changes with")(text)
+    text = cut("  if (lights > 1)\n    group_lights(seen, leader", "\n  // Changes with")(text)
     text = cut("      for (int j = 0; j < lights; ++j) {", "      color radiance")(text)
     text = cut("  float reach = angular_radius(seen[group]);\n  for", "  return reach",
                "  float reach = angular_radius(seen[group]);\n")(text)  # fmt: skip
@@ -98,7 +98,7 @@ def no_diagnostics(text: str) -> str:
 
 def no_sparkles(text: str) -> str:
     text = cut("  ADD_SLOT(0,", "  // Changes with")(text)
-    return cut("  for (int i = 0; sparkling && ", "  if (Diagnostic == SHOW_PIXEL)")(text)
+    return cut("  if (sparkling) {", "  if (Diagnostic == SHOW_PIXEL)")(text)
 
 
 PARTS: dict[str, Text] = {
