@@ -37,6 +37,7 @@ LEAST_WEIGHT = 1.1e-5
 # Error that float rounding may leave in <N> (relative) and in the uniform deviate.
 MEAN_ROUNDING = 1e-5
 UNIFORM_ROUNDING = 1e-6
+FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/sparkles.h
 
 MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
 
@@ -326,7 +327,10 @@ def _near_threshold(
     species: int,
     found: np.ndarray,
 ) -> np.ndarray:
-    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding."""
+    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding.
+
+    From afar nothing is drawn: the count is <N>, to the nearest whole number.
+    """
     import metallic_paint_core as core
 
     x, y = geometry.own_pixel()[geometry.hit].T
@@ -340,4 +344,6 @@ def _near_threshold(
     most = core.count_deviate(
         mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
     )
-    return (fewest <= found) & (found <= most)
+    undrawn = (mean > FAR_COUNT) & (np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7)
+    as_mean = undrawn & (np.abs(found - mean) <= 1 + mean * MEAN_ROUNDING)
+    return (fewest <= found) & (found <= most) | as_mean

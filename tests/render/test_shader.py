@@ -9,8 +9,9 @@ import bpy
 import numpy as np
 import pytest
 import verify_scenes
+from many_paints import LINKED, ManyPaints, sockets_of
 from metallic_paint import material, verify
-from metallic_paint.paint import PARAMETERS, Paint
+from metallic_paint.paint import Paint, Parameter
 
 SIZE = 32
 SCENE = next(s for s in verify_scenes.SCENES if s.name == "thinned, sphere")
@@ -31,27 +32,62 @@ def assert_sound(probe: verify.Probe, what: object) -> None:
     assert (np.isfinite(lit) & (lit >= 0)).all(), what
 
 
-SOCKETS = {n: p for n, p in PARAMETERS.items() if not p.choices and n != "seed"}
+DEFAULTS = sockets_of(Paint())
+NUMBERS = [each for each in LINKED.values() if not each.choices]
+PAINTS = {"one species": SCENE.paint, "three species": verify_scenes.THREE}
 
 
-@pytest.mark.parametrize("several", [False, True], ids=["one species", "three species"])
-def test_values_beyond_their_range_stay_sound(subtests: pytest.Subtests, several: bool) -> None:
-    """Too small, too large, no number: the least, the most, the default. Each compiles the shader
-    anew, so of three species, which takes long, only the third's sockets and two values."""
-    paint = verify_scenes.THREE if several else SCENE.paint
-    probe = probe_of(dataclasses.replace(SCENE, paint=paint))
+def at(value: float, parameter: Parameter) -> float | tuple[float, ...]:
+    """The value, for as many numbers as the parameter has."""
+    several = isinstance(DEFAULTS[parameter.label], tuple)
+    return (value,) * 3 if several else value
+
+
+@pytest.mark.parametrize("paint", PAINTS.values(), ids=PAINTS)
+def test_values_beyond_their_range_stay_sound(subtests: pytest.Subtests, paint: Paint) -> None:
+    """Too small, too large, no number: the least, the most, the default."""
+    cases = [(each, value) for each in NUMBERS for value in (-1e30, 1e30, np.nan)]
+    many = ManyPaints(
+        [sockets_of(paint) | {each.label: at(value, each)} for each, value in cases],
+        verify_scenes.SUN,
+        size=12,
+    )
+    sound = many.probe.image(verify.SOUND)
+    for i, (each, value) in enumerate(cases):
+        with subtests.test(each.label, value=value):
+            hit = many.of(i).hit
+            assert hit.any()
+            assert (sound[hit] == 1).all()
+
+
+@pytest.mark.parametrize("value", [-1e30, 1e30, np.nan])
+def test_constants_beyond_their_range_stay_sound(value: float) -> None:
+    """All at once; without links OSL computes with them while it compiles."""
+    probe = probe_of()
+    for each in NUMBERS:
+        given = at(value, each)
+        probe.set(each.label, (*given, 1) if each.is_color else given)
+    assert_sound(probe, value)
+
+
+def test_a_linked_normal_may_be_any_vector(subtests: pytest.Subtests) -> None:
+    """Any length is as good as one; what has no direction is as if there were no link."""
+    probe = probe_of()
     hit = (probe.image(verify.VIEW) ** 2).sum(axis=-1) > 0.5
-    for name, parameter in SOCKETS.items():
-        if several != name.startswith("third.") or name.startswith("second."):
-            continue
-        socket = probe.nodes[0].inputs[parameter.label]
-        single = socket.type == "VALUE"
-        usual = socket.default_value if single else tuple(socket.default_value)
-        for value in (1e30, np.nan) if several else (-1e30, 1e30, np.nan):
-            socket.default_value = value if single else [value] * len(usual)
-            with subtests.test(parameter.label, value=value):
-                assert (probe.image(verify.SOUND)[hit] == 1).all()
-        socket.default_value = usual
+    unlinked = probe.image(verify.NORMAL)[hit]
+    [item] = [each for each in probe.scene.objects if each.type == "MESH"]
+    tree = probe.materials[0].node_tree
+    attribute = tree.nodes.new("ShaderNodeAttribute")
+    attribute.attribute_type, attribute.attribute_name = "OBJECT", "normal"
+    tree.links.new(attribute.outputs["Vector"], probe.nodes[0].inputs[material.NORMAL])
+    tree.links.new(attribute.outputs["Vector"], probe.nodes[0].inputs[material.COAT_NORMAL])
+    along = np.array([0.36, -0.48, 0.8])
+    for size in (1, 2, 1e-20, 1e30, 0, np.inf, np.nan):
+        item["normal"] = (along * size).tolist()
+        with subtests.test(size=size):
+            expected = along if 0 < size < np.inf else unlinked
+            assert np.abs(probe.image(verify.NORMAL)[hit] - expected).max() < 1e-6
+            assert (probe.image(verify.SOUND)[hit] == 1).all()
 
 
 @pytest.mark.parametrize("orientation", [0, 1, 2, 7, -7])
