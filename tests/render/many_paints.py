@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import verify_scenes
 from mathutils import Vector
-from metallic_paint import material, verify
+from metallic_paint import verify
 from metallic_paint.paint import PARAMETERS, Paint, shader_value, value_of
 
 Sockets = dict[str, float | tuple[float, ...]]  # values by label
@@ -22,9 +22,7 @@ RADIUS = 0.45  # metres; the spheres stand a metre apart
 
 def sockets_of(paint: Paint) -> Sockets:
     """The values of all sockets but Seed, which stays that of the default paint."""
-    return {
-        each.label: shader_value(each, value_of(paint, name)) for name, each in LINKED.items()
-    }
+    return {each.label: shader_value(each, value_of(paint, name)) for name, each in LINKED.items()}
 
 
 class ManyPaints:

@@ -84,7 +84,7 @@ def check(shown: Shown, paint: Paint, geometry: verify.Geometry, frame: int = 0)
         found = verify.compare(
             as_the_core, geometry, [predicted], 0, 0, [shown.count], none[..., 0], none, none
         )
-        # Of a spike the mean count may err by more than verify allows: 3e-5 in one pixel of ~20,000.
+        # Of a spike <N> may err by more than verify allows: 3e-5, seen in one pixel of 20,000.
         spikes = min(each.tilt for each in paint.species) < 1e-4
         assert found.unexplained <= (hit.sum() // 300 if spikes else 0)
 

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import bpy
 import numpy as np
 import pytest
