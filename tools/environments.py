@@ -39,11 +39,6 @@ class Environment:
         return self.folder / "bin" / "python"
 
     @property
-    def wheels(self) -> Path:
-        """Where the bindings' wheel for this environment is built."""
-        return BUILD / f"wheels-{self.name}"
-
-    @property
     def installed(self) -> Path:
         """Holds the digest of what pip installed; only a whole environment has it."""
         return self.folder / ".requirements"
@@ -95,7 +90,7 @@ def prepare_measure() -> None:
     """The plots' environment and in it the bindings: no Blender."""
     prepare_tool(ACCURACY)
     with alone():
-        _install_bindings(ACCURACY)
+        _install_bindings(ACCURACY, "{}.{}".format(*sys.version_info))
 
 
 def prepare(blender: Blender, *, bindings: bool = True) -> None:
@@ -108,7 +103,7 @@ def prepare(blender: Blender, *, bindings: bool = True) -> None:
     with alone():
         _install(blender.environment, python, _build_requirements() if bindings else [])
         if bindings:
-            _install_bindings(blender.environment)
+            _install_bindings(blender.environment, blender.python_version)
 
 
 def prepare_blenders() -> list[Blender]:
@@ -172,24 +167,34 @@ def _install(environment: Environment, python: Path, extra: list[str]) -> None:
     environment.installed.write_text(digest)
 
 
-def _install_bindings(environment: Environment) -> None:
+def wheels(python_version: str) -> Path:
+    """Where the bindings' wheel for that Python is, for all environments that have it."""
+    return BUILD / f"wheels-{python_version}"
+
+
+def _install_bindings(environment: Environment, python_version: str) -> None:
     stamp = environment.folder / ".bindings"
-    digest = digest_of((ROOT / name for name in WHEEL_SOURCES), [environment.installed.read_text()])
-    wheels = environment.wheels
-    if _is_current(stamp, digest) and any(wheels.glob("*.whl")):
+    sources = digest_of((ROOT / name for name in WHEEL_SOURCES), _build_requirements())
+    digest = digest_of([], [sources, environment.installed.read_text()])
+    built = wheels(python_version)
+    is_built = _is_current(built / ".sources", sources)
+    if is_built and _is_current(stamp, digest):
         return
-    say(f"Building the bindings in {environment.folder.name}…")
-    shutil.rmtree(wheels, ignore_errors=True)
     pip = [environment.python, "-m", "pip"]
-    options = ["--no-build-isolation", "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"]
-    run_step(
-        "Building the bindings",
-        [*pip, "wheel", "--no-deps", *options, "--wheel-dir", wheels, ROOT],
-        f"wheel-{environment.name}.log",
-    )
+    if not is_built:
+        say(f"Building the bindings for Python {python_version}…")
+        shutil.rmtree(built, ignore_errors=True)
+        strict = "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"
+        options = ["--no-deps", "--no-build-isolation", strict, "--wheel-dir", built]
+        run_step(
+            "Building the bindings",
+            [*pip, "wheel", *options, ROOT],
+            f"wheel-{python_version}.log",
+        )
+        (built / ".sources").write_text(sources)
     run_step(
         "Installing the bindings",
-        [*pip, "install", "--no-deps", "--force-reinstall", *wheels.glob("*.whl")],
+        [*pip, "install", "--no-deps", "--force-reinstall", *built.glob("*.whl")],
         f"install-{environment.name}.log",
     )
     stamp.write_text(digest)

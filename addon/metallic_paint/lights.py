@@ -229,7 +229,7 @@ def _values(light: bpy.types.Object, matrix: Matrix) -> tuple[float, ...]:
 def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -> None:
     """The drivers that keep the slot's values so."""
     _, *place, size = _inputs(group, slot)
-    if light.data.type == "SUN":
+    if _KINDS[light.data.type] == PARALLEL:
         column, expressions = 2, _DIRECTION
         _drive(size, "sin(angle/2)", {"angle": (light.data, "angle")})
     else:

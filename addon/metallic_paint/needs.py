@@ -196,12 +196,17 @@ def _shape(thing: bpy.types.Object) -> tuple[object, ...]:
     seen = thing.name_full, pure, len(thing.modifiers), thing.visible_shadow
     if thing.type != "MESH" or len(thing.data.polygons) > _MOST_TRIANGLES:
         return seen
-    places = np.empty(3 * len(thing.data.vertices), dtype=np.float32)
-    thing.data.vertices.foreach_get("co", places)
     corners = np.empty(len(thing.data.loops), dtype=np.int32)
     thing.data.loops.foreach_get("vertex_index", corners)
-    form = hashlib.sha256(places.tobytes() + corners.tobytes()).hexdigest()
+    form = hashlib.sha256(_vertices(thing.data).tobytes() + corners.tobytes()).hexdigest()
     return *seen, thing.data.shape_keys is None, form
+
+
+def _vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(n, 3) float32"""
+    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", places)
+    return places.reshape(-1, 3)
 
 
 def _things(layers: list[bpy.types.ViewLayer]) -> list[bpy.types.Object]:
@@ -402,11 +407,10 @@ def _surface(thing: bpy.types.Object) -> _Surface | None:
         return None
     indices: np.ndarray = np.empty(3 * n, dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", indices)
-    places: np.ndarray = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", places)
+    places = _vertices(mesh)
     matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
     form = hashlib.sha256(places.tobytes() + indices.tobytes() + matrix[:3, :3].tobytes())
-    places = places.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    places = places @ matrix[:3, :3].T + matrix[:3, 3]
     indices = indices.reshape(-1, 3)
 
     edges = np.sort(np.concatenate([indices[:, [i, (i + 1) % 3]] for i in range(3)]), axis=-1)

@@ -58,16 +58,22 @@ def swatch(name: str) -> int:
     return pictures[name].icon_id
 
 
-class _OnPaint(bpy.types.Operator):
-    """For operators on the paint of the active material."""
+def _on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active material has a paint; if not, the operator tells."""
+    if operators.paint_node(context) is None:
+        cls.poll_message_set("The active material has no metallic paint")
+        return False
+    return True
+
+
+class _ChangesPaint(bpy.types.Operator):
+    """For operators that change the paint of the active material."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        node = operators.paint_node(context)
-        if node is None:
-            cls.poll_message_set("The active material has no metallic paint")
+        if not _on_paint(cls, context):
             return False
-        return operators.can_change(cls, node.id_data, "material")
+        return operators.can_change(cls, operators.active_material(context), "material")
 
 
 def _apply(
@@ -81,7 +87,7 @@ def _apply(
     return {"FINISHED"}
 
 
-class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint):
+class MATERIAL_OT_metallic_paint_apply_preset(_ChangesPaint):
     """Give the active material's paint the values of this preset"""
 
     bl_idname = "material.metallic_paint_apply_preset"
@@ -96,7 +102,7 @@ class MATERIAL_OT_metallic_paint_apply_preset(_OnPaint):
 
 # The stubs have check and invoke of these helpers return nothing.
 class MATERIAL_OT_metallic_paint_load_preset(  # type: ignore[misc]
-    _OnPaint, ImportHelper
+    _ChangesPaint, ImportHelper
 ):
     """Give the active material's paint the values of a preset's file"""
 
@@ -133,10 +139,7 @@ finds it, or elsewhere, to share it"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if operators.paint_node(context) is None:
-            cls.poll_message_set("The active material has no metallic paint")
-            return False
-        return True
+        return _on_paint(cls, context)
 
     def invoke(  # type: ignore[override]
         self, context: bpy.types.Context, event: bpy.types.Event
