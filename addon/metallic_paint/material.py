@@ -421,7 +421,7 @@ def _add_parameter(
     )  # fmt: skip
     if not parameter.is_color:  # a colour socket has no range of its own: Blender's picker has
         socket.subtype = parameter.subtype
-        socket.min_value, socket.max_value = parameter.minimum, parameter.maximum
+        socket.min_value, socket.max_value = parameter.slider
     socket.default_value = default
 
 
@@ -446,7 +446,7 @@ def _add_model_scale(
         MODEL_SCALE, in_out="INPUT", socket_type="NodeSocketFloat", parent=panel,
         description="Metres of the real object per metre of the scene: 1 for a life-size model",
     )  # fmt: skip
-    socket.min_value, socket.max_value, socket.default_value = 1e-6, 1e6, 1
+    socket.min_value, socket.max_value, socket.default_value = 1e-3, 1e3, 1
 
 
 def _wire_lights(

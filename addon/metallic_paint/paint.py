@@ -51,6 +51,11 @@ class Parameter:
     choices: tuple[str, ...] = ()  # words whose positions are the shader's integers
     subtype: str = "NONE"  # of Blender's socket
     is_color: bool = False  # chosen as a colour, and so in 0..1
+    useful: tuple[float, float] | None = None  # where a slider ends; one may type what lies beyond
+
+    @property
+    def slider(self) -> tuple[float, float]:
+        return self.useful or (self.minimum, self.maximum)
 
 
 def _field(default: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401
@@ -125,14 +130,17 @@ class Flakes:
     flakes_per_mm2: float = _field(
         3000.0, "FlakesPerMm2", "Flakes per mm²", FLAKES, 0, 1e9,
         "Flakes in the whole depth of the layer under one square millimetre of surface",
+        useful=(0, 1e5),
     )
     flake_diameter_um: float = _field(
         20.0, "FlakeDiameterUm", "Flake Diameter (µm)", FLAKES, 1e-3, 1e5,
         "Diameter of the disk that has the mean area of the flakes, in micrometres",
+        useful=(1, 2000),
     )
     flake_area_spread: float = _field(
         0.3, "FlakeAreaSpread", "Flake Area Spread", FLAKES, 0, 100,
         "Standard deviation of the flakes' area divided by its mean",
+        useful=(0, 2),
     )
     orientation: str = _field(
         "gaussian", "Orientation", "Orientation", FLAKES, 0, 2,
@@ -143,11 +151,12 @@ class Flakes:
         0.15, "Tilt", "Tilt", FLAKES, 1e-6, 100,
         "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha "
         "(at most 1) for Beckmann and GGX",
+        useful=(0.01, 1),
     )
     flake_spread: float = _field(
         0.005, "FlakeSpread", "Flake Spread", FLAKES, 0, 0.5,
         "Angular radius by which one flake, being wavy, spreads the light that it reflects",
-        subtype="ANGLE",
+        subtype="ANGLE", useful=(0, math.radians(10)),
     )
     flake_color: Color = _field(
         (0.91, 0.92, 0.92), "FlakeColor", "Flake Color", FLAKES, 0, 1,
@@ -213,18 +222,22 @@ class Paint(Flakes):
     binder_ior: float = _field(
         1.5, "BinderIor", "IOR", BINDER, 0.1, 10,
         "Refractive index of the binder relative to what surrounds the paint",
+        useful=(1, 2.5),
     )
     layer_thickness_um: float = _field(
         30.0, "LayerThicknessUm", "Layer Thickness (µm)", BINDER, 0, 1e6,
         "Thickness of the layer that holds the flakes, in micrometres",
+        useful=(0, 1000),
     )
     binder_absorption_per_mm: Color = _field(
         (0.0, 0.0, 0.0), "BinderAbsorptionPerMm", "Absorption (1/mm)", BINDER, 0, 1e6,
         "How much of red, green and blue the binder absorbs per millimetre of path",
+        useful=(0, 200),
     )
     rayleigh_per_mm: float = _field(
         0.0, "RayleighPerMm", "Rayleigh (1/mm)", BINDER, 0, 1e6,
         "Weight of the scattering by pigment particles, per millimetre",
+        useful=(0, 20),
     )
     diffraction: str = _field(
         "disc", "Diffraction", "Diffraction", SPARKLE, 0, 1,
@@ -260,7 +273,7 @@ class Paint(Flakes):
         0.0, "TextureContrast", "Texture Contrast", SUBSTRATE, 0, 1,
         "Relative deviation, from place to place, of the light that is scattered several times or "
         "by the substrate, seen over 1 mm²; finer pixels see more, the finest even more than they "
-        "receive", subtype="FACTOR",
+        "receive", subtype="FACTOR", useful=(0, 0.5),
     )
     coat_roughness: float = _field(
         0.0, "CoatRoughness", "Coat Roughness", BINDER, 0, 1,
@@ -270,11 +283,12 @@ class Paint(Flakes):
     orange_peel: float = _field(
         0.0, "OrangePeel", "Orange Peel", BINDER, 0, 1,
         "Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good "
-        "car paint has some 0.1°", subtype="ANGLE",
+        "car paint has some 0.1°", subtype="ANGLE", useful=(0, math.radians(10)),
     )
     orange_peel_mm: float = _field(
         3.0, "OrangePeelMm", "Orange Peel Size (mm)", BINDER, 1e-3, 1e6,
         "Wavelength of those waves, in millimetres",
+        useful=(0.1, 100),
     )
     # fmt: on
 

@@ -65,7 +65,8 @@ def test_presets_lie_in_the_usual_range(name: str) -> None:
     if OWN[name].choices:
         assert (least, most) == (0, len(OWN[name].choices) - 1)
         return
-    assert OWN[name].minimum <= least < most <= OWN[name].maximum
+    slider = OWN[name].slider
+    assert OWN[name].minimum <= slider[0] <= least < most <= slider[1] <= OWN[name].maximum
     for preset in presets.names():
         paint = presets.load(preset)
         for flakes in paint.species if name in FLAKES else (paint,):

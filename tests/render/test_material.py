@@ -135,8 +135,24 @@ def test_a_parameter_is_a_socket_with_panel_range_and_explanation(name: str) -> 
     assert item.parent.name == parameter.panel
     assert item.description == parameter.description
     if not parameter.is_color:
-        assert item.min_value == pytest.approx(parameter.minimum)
-        assert item.max_value == pytest.approx(parameter.maximum)
+        assert (item.min_value, item.max_value) == pytest.approx(parameter.slider)
+
+
+def test_a_value_beyond_its_slider_may_be_typed_and_stays(tmp_path: Path) -> None:
+    """Blender's own rule: a socket's range bounds the slider alone."""
+    beyond = {"Flakes per mm²": 1e9, "IOR": 0.5, "Layer Thickness (µm)": 1e6, "Tilt": 1e-6}
+    painted = material.create(Paint())
+    painted.use_fake_user = True
+    for label, value in beyond.items():
+        item = interface()[label]
+        assert not item.min_value <= value <= item.max_value
+        material.paint_node(painted).inputs[label].default_value = value
+    file = str(tmp_path / "beyond.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    [painted] = bpy.data.materials
+    inputs = material.paint_node(painted).inputs
+    assert {label: inputs[label].default_value for label in beyond} == pytest.approx(beyond)
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
