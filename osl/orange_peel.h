@@ -33,9 +33,11 @@ vector above_surface(vector coat_n, vector n, vector view)
   return half / sqrt(inner_product(half, half));
 }
 
-// Where a point lies in its object, which the waves are fixed to: in world units, as far as the object is scaled evenly.
-point object_point(point p, vector n)
+// Where a point lies in its object, which the waves are fixed to: in world units along each of the object's axes.
+point object_point(point p)
 {
-  vector unit = transform("object", n);
-  return transform("object", p) / max(sqrt(inner_product(unit, unit)), 1e-12);
+  point q = transform("object", p);
+  return point(q[0] * length(transform("object", "common", vector(1.0, 0.0, 0.0))),
+               q[1] * length(transform("object", "common", vector(0.0, 1.0, 0.0))),
+               q[2] * length(transform("object", "common", vector(0.0, 0.0, 1.0))));
 }

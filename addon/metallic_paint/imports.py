@@ -3,7 +3,8 @@
 
 Blender appends all that the drivers of the light slots look at, with parents and targets, and puts
 these objects into the scene, which they would light. Paste tells nothing of why an object came, so
-of pasted lamps only those go that stand where a lamp of this file stands already.
+of pasted lamps only those go that stand where a lamp of this file stands already. The shader too
+stays behind where this file has it.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Collection
 import bpy
 from bpy.app.handlers import persistent
 
-from . import lights
+from . import lights, material
 
 
 @persistent
@@ -33,6 +34,13 @@ def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
     ]
     for thing in _unused(unasked, lamps, arrived):
         bpy.data.objects.remove(thing)
+    material.share(  # what was asked for by name, Blender goes on to use
+        [
+            thing
+            for thing, info in arrived.items()
+            if isinstance(thing, bpy.types.ShaderNodeTree) and "INDIRECT_USAGE" in info
+        ]
+    )
 
 
 def _unused(

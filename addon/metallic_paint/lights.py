@@ -222,8 +222,22 @@ def _values(light: bpy.types.Object, matrix: Matrix) -> tuple[float, ...]:
     """A slot's five numbers."""
     kind = _KINDS[light.data.type]
     if kind == PARALLEL:
-        return kind, *matrix.col[2].xyz.normalized(), math.sin(light.data.angle / 2)
-    return kind, *matrix.translation, light.data.shadow_soft_size
+        return kind, *matrix.col[2].xyz.normalized(), math.sin(size_of(light) / 2)
+    return kind, *matrix.translation, size_of(light)
+
+
+def size_of(light: bpy.types.Object) -> float:
+    """Angle or radius, whichever the light has; 0 for those that never have a slot."""
+    return getattr(light.data, "angle", getattr(light.data, "shadow_soft_size", 0.0))
+
+
+def has_driven_size(light: bpy.types.Object) -> bool:
+    """Whether a driver follows the size: it may be animated.
+
+    Otherwise the size is set, and again when it changes: a driver on the light's data would run
+    whenever its strength changes, and Blender would prepare all paints anew.
+    """
+    return light.data.animation_data is not None
 
 
 def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -> None:
@@ -231,10 +245,12 @@ def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -
     _, *place, size = _inputs(group, slot)
     if _KINDS[light.data.type] == PARALLEL:
         column, expressions = 2, _DIRECTION
-        _drive(size, "sin(angle/2)", {"angle": (light.data, "angle")})
+        breadth = "sin(angle/2)", {"angle": (light.data, "angle")}
     else:
         column, expressions = 3, ("x", "y", "z")
-        _drive(size, "radius", {"radius": (light.data, "shadow_soft_size")})
+        breadth = "radius", {"radius": (light.data, "shadow_soft_size")}
+    if has_driven_size(light):
+        _drive(size, *breadth)
     variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
     for socket, expression in zip(place, expressions, strict=True):
         _drive(socket, expression, variables)
@@ -258,7 +274,8 @@ def _are_fed_by(group: bpy.types.ShaderNodeTree, lights: list[bpy.types.Object])
         kind, *place, size = _inputs(group, slot)
         kinds.append(kind.default_value == _KINDS[light.data.type])
         driven |= dict.fromkeys((socket.path_from_id("default_value") for socket in place), light)
-        driven[size.path_from_id("default_value")] = light.data
+        if has_driven_size(light):
+            driven[size.path_from_id("default_value")] = light.data
     return all(kinds) and driven == _driven(group)
 
 
@@ -381,10 +398,11 @@ def is_painted(thing: bpy.types.Object) -> bool:
 
 def uses_paint(scene: bpy.types.Scene) -> bool:
     """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
+    paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
     collections = [scene.collection]
     for collection in collections:
         things = collection.all_objects
-        if any(map(is_painted, things)):
+        if any(slot.material in paints for thing in things for slot in thing.material_slots):
             return True
         shown = dict.fromkeys(thing.instance_collection for thing in things)
         collections += [each for each in shown if each is not None and each not in collections]

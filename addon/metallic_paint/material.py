@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
@@ -301,6 +302,24 @@ def is_current(
 ) -> TypeGuard[bpy.types.ShaderNodeTree]:
     """Whether the paint's group has today's interface and the shader of that digest."""
     return (group.get(_MARK), group.get(_SOURCE_MARK)) == (VERSION, source_digest)
+
+
+def share(arrived: Collection[bpy.types.ShaderNodeTree]) -> None:
+    """Where the file had the shader of an arrived paint group, that group takes the place of it.
+
+    Every group holds its shader, compiled: 3 MB of file.
+    """
+    for group in [each for each in arrived if each.get(_MARK) and each.library is None]:
+        marks = group.get(_MARK), group.get(_SOURCE_MARK)
+        for other in bpy.data.node_groups:
+            if not isinstance(other, bpy.types.ShaderNodeTree):
+                continue
+            same = (other.get(_MARK), other.get(_SOURCE_MARK)) == marks
+            if same and other.library is None and other not in arrived:
+                group.user_remap(other)
+                texts = {node.script for node in group.nodes if node.type == "SCRIPT"}
+                bpy.data.batch_remove([group, *filter(None, texts)])
+                break
 
 
 def version(group: bpy.types.NodeTree) -> int:

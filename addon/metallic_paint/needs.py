@@ -86,7 +86,8 @@ def fit(scene: bpy.types.Scene) -> Needs:
     """Fills the light slots and leaves out what the scene does not require.
 
     Call it again when lights, objects, or materials that emit come, go or change type, when a mesh,
-    the world or the number of bounces changes, and when a lamp moves into a painted object.
+    the size of a lamp, the world or the number of bounces changes, and when a lamp moves into a
+    painted object.
     """
     if not lights.groups():
         return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
@@ -151,7 +152,13 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
+    seen += [
+        (
+            lamp.name_full, lamp.data.name_full, lamp.data.type,
+            "driven" if lights.has_driven_size(lamp) else lights.size_of(lamp),
+        )
+        for lamp in lamps
+    ]  # fmt: skip
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),

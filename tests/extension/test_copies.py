@@ -154,6 +154,23 @@ def test_appended_paint_leaves_the_lamps_of_its_file_behind(addon: Addon, theirs
     assert addon("lights").in_slots() == [bpy.data.objects["Our Sun"]]
 
 
+@pytest.mark.parametrize("kind", ["Material", "NodeTree"])
+def test_appended_paints_share_the_shader(addon: Addon, theirs: Path, kind: str) -> None:
+    """But a node group that was asked for is another."""
+    append(theirs, "Material", "Theirs")
+    bpy.context.object.data.materials.append(bpy.data.materials["Theirs"])
+    name = "Theirs" if kind == "Material" else "Metallic Paint"
+    for _ in range(2):
+        bpy.ops.wm.append(filepath=f"{theirs}/{kind}/{name}", directory=f"{theirs}/{kind}/",
+                          filename=name)  # fmt: skip
+        bpy.context.view_layer.update()
+    more = 0 if kind == "Material" else 2
+    assert len(groups("metallic_paint")) == len(bpy.data.texts) == 1 + more
+    assert len(addon("lights").groups()) == 1
+    paint = addon("presets").load("gold")
+    assert all(addon("material").paint_of(each) == paint for each in bpy.data.materials)
+
+
 def test_appended_object_brings_what_it_needs_itself(addon: Addon, theirs: Path) -> None:
     assert append(theirs, "Object", "Sphere") == ["Cube", "Mirror", "Sphere"]
 

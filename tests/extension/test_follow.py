@@ -7,6 +7,7 @@ calls.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -176,11 +177,43 @@ def test_moving_a_light_needs_the_drivers_alone(
     bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0))
     lamp = add("POINT", "Lamp", 1)
     fits.clear()
-    lamp.location.x, lamp.data.shadow_soft_size = 7, 0.5
+    lamp.location.x = 7
     update()
-    [(_, vector, size)] = addon("lights").values()
-    assert (round(vector.x, 5), round(size, 5)) == (7, 0.5)
+    [(_, vector, _)] = addon("lights").values()
+    assert round(vector.x, 5) == 7
     assert fits == []
+
+
+def test_a_new_size_of_a_light_is_noticed(addon: Addon, painted: bpy.types.Object) -> None:
+    sun, lamp = add("SUN", "A sun"), add("POINT", "Lamp", 1)
+    sun.data.angle, lamp.data.shadow_soft_size = 0.2, 0.75
+    update()
+    sizes = [size for _, _, size in addon("lights").values()]
+    assert sizes == pytest.approx([math.sin(0.1), 0.75])
+
+
+@pytest.mark.parametrize("keyed", [False, True], ids=["size set", "size animated"])
+def test_a_stronger_light_leaves_the_paints_alone(
+    addon: Addon, painted: bpy.types.Object, keyed: bool
+) -> None:
+    """Blender prepares all paints anew that an update reaches; by an animated size it does."""
+    lamp = add("POINT", "Lamp", 1)
+    if keyed:
+        lamp.data.keyframe_insert("shadow_soft_size", frame=1)
+        update()
+    reached: set[str] = set()
+
+    def note(_: object, depsgraph: bpy.types.Depsgraph) -> None:
+        reached.update(update.id.name for update in depsgraph.updates)
+
+    bpy.app.handlers.depsgraph_update_post.append(note)
+    try:
+        lamp.data.energy = 5
+        update()
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(note)
+    assert "Lamp" in reached
+    assert (painted.active_material.name in reached) == keyed
 
 
 def test_world_and_neighbours_are_noticed(addon: Addon) -> None:
