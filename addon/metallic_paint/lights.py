@@ -29,6 +29,8 @@ OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots
 
 PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
 _KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
+# The property of the light's data that is its size, and what the slot has of it.
+_SIZES = {PARALLEL: ("angle", "sin(size/2)"), POSITIONED: ("shadow_soft_size", "size")}
 _MARK = "metallic_paint_lights"  # custom property of the group, holds its version
 
 _DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
@@ -227,8 +229,9 @@ def _values(light: bpy.types.Object, matrix: Matrix) -> tuple[float, ...]:
 
 
 def size_of(light: bpy.types.Object) -> float:
-    """Angle or radius, whichever the light has; 0 for those that never have a slot."""
-    return getattr(light.data, "angle", getattr(light.data, "shadow_soft_size", 0.0))
+    """The angle of a sun, the radius of a point or spot light; 0 for those that have no slot."""
+    kind = _KINDS.get(light.data.type)
+    return getattr(light.data, _SIZES[kind][0]) if kind else 0.0
 
 
 def has_driven_size(light: bpy.types.Object) -> bool:
@@ -243,14 +246,11 @@ def has_driven_size(light: bpy.types.Object) -> bool:
 def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -> None:
     """The drivers that keep the slot's values so."""
     _, *place, size = _inputs(group, slot)
-    if _KINDS[light.data.type] == PARALLEL:
-        column, expressions = 2, _DIRECTION
-        breadth = "sin(angle/2)", {"angle": (light.data, "angle")}
-    else:
-        column, expressions = 3, ("x", "y", "z")
-        breadth = "radius", {"radius": (light.data, "shadow_soft_size")}
+    kind = _KINDS[light.data.type]
+    column, expressions = (2, _DIRECTION) if kind == PARALLEL else (3, ("x", "y", "z"))
     if has_driven_size(light):
-        _drive(size, *breadth)
+        name, expression = _SIZES[kind]
+        _drive(size, expression, {"size": (light.data, name)})
     variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
     for socket, expression in zip(place, expressions, strict=True):
         _drive(socket, expression, variables)

@@ -301,7 +301,7 @@ def is_current(
     group: bpy.types.NodeTree, source_digest: str
 ) -> TypeGuard[bpy.types.ShaderNodeTree]:
     """Whether the paint's group has today's interface and the shader of that digest."""
-    return (group.get(_MARK), group.get(_SOURCE_MARK)) == (VERSION, source_digest)
+    return _marks(group) == (VERSION, source_digest)
 
 
 def share(arrived: Collection[bpy.types.ShaderNodeTree]) -> None:
@@ -309,17 +309,26 @@ def share(arrived: Collection[bpy.types.ShaderNodeTree]) -> None:
 
     Every group holds its shader, compiled: 3 MB of file.
     """
-    for group in [each for each in arrived if each.get(_MARK) and each.library is None]:
-        marks = group.get(_MARK), group.get(_SOURCE_MARK)
-        for other in bpy.data.node_groups:
-            if not isinstance(other, bpy.types.ShaderNodeTree):
-                continue
-            same = (other.get(_MARK), other.get(_SOURCE_MARK)) == marks
-            if same and other.library is None and other not in arrived:
-                group.user_remap(other)
-                texts = {node.script for node in group.nodes if node.type == "SCRIPT"}
-                bpy.data.batch_remove([group, *filter(None, texts)])
-                break
+    for group in [each for each in arrived if version(each) and each.library is None]:
+        if twin := _own_group(_marks(group), beside=arrived):
+            group.user_remap(twin)
+            texts = {node.script for node in group.nodes if node.type == "SCRIPT"}
+            bpy.data.batch_remove([group, *filter(None, texts)])
+
+
+def _marks(group: bpy.types.NodeTree) -> tuple[object, object]:
+    return group.get(_MARK), group.get(_SOURCE_MARK)
+
+
+def _own_group(
+    marks: tuple[object, object], beside: Collection[bpy.types.NodeTree] = ()
+) -> bpy.types.ShaderNodeTree | None:
+    """The paint group of this file that has the marks."""
+    for group in bpy.data.node_groups:
+        own = group.library is None and group not in beside
+        if own and _marks(group) == marks and isinstance(group, bpy.types.ShaderNodeTree):
+            return group
+    return None
 
 
 def version(group: bpy.types.NodeTree) -> int:
@@ -333,9 +342,8 @@ def node_group() -> bpy.types.ShaderNodeTree:
     Groups of other versions stay as they are: a paint keeps its look until its owner updates it.
     """
     text = shader.source()
-    for group in bpy.data.node_groups:
-        if is_current(group, digest(text)) and group.library is None:
-            return group
+    if own := _own_group((VERSION, digest(text))):
+        return own
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     try:
         script = _script_node(group, text)

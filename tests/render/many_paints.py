@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
@@ -25,12 +25,19 @@ def sockets_of(paint: Paint) -> Sockets:
     return {each.label: shader_value(each, value_of(paint, name)) for name, each in LINKED.items()}
 
 
+def link_to_property(socket: bpy.types.NodeSocket, name: str) -> None:
+    """The socket has, on each object, the value of the object's property."""
+    tree = socket.id_data
+    attribute = tree.nodes.new("ShaderNodeAttribute")
+    attribute.attribute_type, attribute.attribute_name = "OBJECT", name
+    several = socket.type in ("RGBA", "VECTOR")
+    tree.links.new(attribute.outputs["Vector" if several else "Fac"], socket)
+
+
 class ManyPaints:
     """The scene, and which sphere each pixel of its picture shows."""
 
-    def __init__(
-        self, paints: Sequence[Mapping[str, float | tuple]], lamp: Callable, size: int
-    ) -> None:
+    def __init__(self, paints: Sequence[Sockets], lamp: Callable, size: int) -> None:
         """size x size pixels for each sphere, that are as fine as those of one sphere 5 m away."""
         scene = bpy.context.scene
         side = math.ceil(math.sqrt(len(paints)))
@@ -69,10 +76,5 @@ class ManyPaints:
         return nearest
 
     def _link_sockets(self) -> None:
-        tree = self.probe.materials[0].node_tree
         for parameter in LINKED.values():
-            socket = self.probe.nodes[0].inputs[parameter.label]
-            attribute = tree.nodes.new("ShaderNodeAttribute")
-            attribute.attribute_type, attribute.attribute_name = "OBJECT", parameter.label
-            several = socket.type in ("RGBA", "VECTOR")
-            tree.links.new(attribute.outputs["Color" if several else "Fac"], socket)
+            link_to_property(self.probe.nodes[0].inputs[parameter.label], parameter.label)

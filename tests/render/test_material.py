@@ -135,7 +135,9 @@ def test_a_parameter_is_a_socket_with_panel_range_and_explanation(name: str) -> 
     assert item.parent.name == parameter.panel
     assert item.description == parameter.description
     if not parameter.is_color:
-        assert (item.min_value, item.max_value) == pytest.approx(parameter.slider)
+        least, most = parameter.slider
+        assert parameter.minimum <= least < most <= parameter.maximum
+        assert (item.min_value, item.max_value) == pytest.approx((least, most))
 
 
 def test_a_value_beyond_its_slider_may_be_typed_and_stays(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 import verify_scenes
-from many_paints import LINKED, ManyPaints, sockets_of
+from many_paints import LINKED, ManyPaints, link_to_property, sockets_of
 from metallic_paint import material, verify
 from metallic_paint.paint import Paint, Parameter
 
@@ -74,11 +74,8 @@ def test_a_linked_normal_may_be_any_vector(subtests: pytest.Subtests) -> None:
     hit = (probe.image(verify.VIEW) ** 2).sum(axis=-1) > 0.5
     unlinked = probe.image(verify.NORMAL)[hit]
     [item] = [each for each in probe.scene.objects if each.type == "MESH"]
-    tree = probe.materials[0].node_tree
-    attribute = tree.nodes.new("ShaderNodeAttribute")
-    attribute.attribute_type, attribute.attribute_name = "OBJECT", "normal"
-    tree.links.new(attribute.outputs["Vector"], probe.nodes[0].inputs[material.NORMAL])
-    tree.links.new(attribute.outputs["Vector"], probe.nodes[0].inputs[material.COAT_NORMAL])
+    for label in (material.NORMAL, material.COAT_NORMAL):
+        link_to_property(probe.nodes[0].inputs[label], "normal")
     along = np.array([0.36, -0.48, 0.8])
     for size in (1, 2, 1e-20, 1e30, 0, np.inf, np.nan):
         item["normal"] = (along * size).tolist()
