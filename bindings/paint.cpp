@@ -151,6 +151,7 @@ checked on construction, all fields again on use.)doc");
   def_field<&Paint::rayleigh_per_mm>(paint, "rayleigh_per_mm", kNumber);
   def_field<&Paint::depth_model>(paint, "depth_model", "DepthModel.attenuated or .thinned");
   def_field<&Paint::radiometry>(paint, "radiometry", "Radiometry.exact or .published");
+  def_field<&Paint::sparkle_contrast>(paint, "sparkle_contrast", kNumber);
   def_field<&Paint::seed>(paint, "seed", kInt32);
   def_field<&Paint::frame>(paint, "frame", kInt32);
   def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");

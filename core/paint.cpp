@@ -76,6 +76,7 @@ void validate(const Paint& paint) {
   if (paint.radiometry != Radiometry::exact && paint.radiometry != Radiometry::published) {
     reject("radiometry", static_cast<double>(paint.radiometry), "0 (exact) or 1 (published)");
   }
+  require_range("sparkle_contrast", paint.sparkle_contrast, 0, 1);
 }
 
 void validate(const Light<double>& light) {

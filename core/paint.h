@@ -48,6 +48,7 @@ struct Paint : FlakeSpecies {
   double rayleigh_per_mm = 0;                     // c1, 0 to 1e6 1/mm
   DepthModel depth_model = DepthModel::attenuated;
   Radiometry radiometry = Radiometry::exact;
+  double sparkle_contrast = 1;  // share of the sparkles' fluctuation about their mean, 0 to 1
   int seed = 0;
   int frame = 0;
 
@@ -120,6 +121,7 @@ Layer<T> make_layer(const Paint& paint) {
   layer.rayleigh_depth = rayleigh * thickness_mm;
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
+  layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);
   return layer;
 }
 

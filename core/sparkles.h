@@ -78,6 +78,7 @@ struct Layer {
   T rayleigh_depth;     // H (16 pi/3) c1
   DepthModel depth_model;
   Radiometry radiometry;
+  T sparkle_contrast;  // share of the sparkles' fluctuation that is shown
 };
 
 // Where the paint is looked at. The view is a unit vector towards the observer.
@@ -98,6 +99,7 @@ struct ExpectedSparkles {
   Rgb<T> slant{};         // optical depth of the layer, there and back: t H
   Rgb<T> mirror{};        // T of a pixel filled by an undimmed sparkle
   T ceiling{};            // T of a pixel filled by a perfect mirror: nothing exceeds it
+  T contrast{1};          // share of the fluctuation that the paint shows
 };
 
 template <class T>
@@ -206,6 +208,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   using W = Wide<T>;
   constexpr W pi = std::numbers::pi_v<W>;
   ExpectedSparkles<T> expected;
+  expected.contrast = layer.sparkle_contrast;
   if (!way.open) return expected;
   const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
 
@@ -293,13 +296,13 @@ Rgb<T> mean_radiance(const ExpectedSparkles<T>& expected) {
   return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
 }
 
-// Seen from so far that the radiance fluctuates by less than one step of 8 bits, 1/256, the mean
-// takes the place of the draw. On the way there, from twice that variance on, the fluctuation
-// fades: the share of it that is left.
+// The share that is left of the radiance's fluctuation about its mean: the paint's contrast (ours),
+// and less from afar. From so far that it is below one step of 8 bits, 1/256, the mean takes the
+// place of the draw; on the way there, from twice that variance on, it fades.
 inline constexpr int kFarCount = 65536;
 template <class T>
 T fluctuation_left(const ExpectedSparkles<T>& expected) {
-  if (!(expected.mean_count > T(kFarCount / 2))) return 1;
+  if (!(expected.mean_count > T(kFarCount / 2))) return expected.contrast;
   // mean^2/variance, of the colour that fluctuates most
   const Rgb<T> mean = mean_sparkle(expected), square = mean_square_sparkle(expected);
   T least = expected.mean_count;
@@ -309,21 +312,22 @@ T fluctuation_left(const ExpectedSparkles<T>& expected) {
   add(mean.x, square.x);
   add(mean.y, square.y);
   add(mean.z, square.z);
-  return std::clamp(2 - least / T(kFarCount / 2), T(0), T(1));
+  return expected.contrast * std::clamp(2 - least / T(kFarCount / 2), T(0), T(1));
 }
 
 // Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
+// Of both, what is left of the fluctuation, squared.
 template <class T>
 Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
   const T left = fluctuation_left(expected);
-  Rgb<T> variance = mean_square_sparkle(expected) * (expected.mean_count * left * left);
+  Rgb<T> variance = mean_square_sparkle(expected) * expected.mean_count;
   if (expected.slots > 0) {
     const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
     variance = variance - mean * mean / static_cast<T>(expected.slots);
   }
   // One place always taken has no variance, which rounding may leave below 0.
   variance = map(variance, [](T v) { return std::max(v, T(0)); });
-  return expected.mirror * (expected.mirror * variance);
+  return expected.mirror * (expected.mirror * (variance * (left * left)));
 }
 
 // So many sparkles of a pixel are drawn one by one.
@@ -383,7 +387,6 @@ Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, Ha
   const HashWords words = draw_words(key, pixel_x, pixel_y, 0);
   const T count =
       count_deviate(expected.mean_count, expected.slots, uniform_48<T>(words.x, words.y));
-  if (count <= 0) return sparkles;
   sparkles.count = count;
 
   Rgb<T> sum{};

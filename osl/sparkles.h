@@ -42,6 +42,7 @@ struct Layer {
   float rayleigh_depth;
   int depth_model;
   int radiometry;
+  float sparkle_contrast;
 };
 
 struct SurfacePoint {
@@ -62,6 +63,7 @@ struct ExpectedSparkles {
   color slant;
   color mirror;
   float ceiling;
+  float contrast;
 };
 
 struct Sparkles {
@@ -150,6 +152,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   expected.slant = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
+  expected.contrast = layer.sparkle_contrast;
   if (!way.open)
     return expected;
   float cos_alpha = way.mirror.cos_alpha;
@@ -218,7 +221,7 @@ color mean_radiance(ExpectedSparkles expected)
 float fluctuation_left(ExpectedSparkles expected)
 {
   if (!(expected.mean_count > FAR_COUNT / 2.0))
-    return 1.0;
+    return expected.contrast;
   color mean = mean_sparkle(expected);
   color square = mean_square_sparkle(expected);
   float least = expected.mean_count;
@@ -226,7 +229,7 @@ float fluctuation_left(ExpectedSparkles expected)
     if (square[c] > 0.0)
       least = min(least, expected.mean_count * (mean[c] * mean[c] / square[c]));
   }
-  return clamp(2.0 - least / (FAR_COUNT / 2.0), 0.0, 1.0);
+  return expected.contrast * clamp(2.0 - least / (FAR_COUNT / 2.0), 0.0, 1.0);
 }
 
 float dimmed(float share, float x, float depth)
@@ -283,8 +286,6 @@ Sparkles draw_sparkles(ExpectedSparkles expected, float area_spread, HashWords k
   }
   HashWords words = draw_words(key, pixel_x, pixel_y, 0);
   float count = count_deviate(expected.mean_count, expected.slots, uniform_48(words.x, words.y));
-  if (count <= 0.0)
-    return sparkles;
   sparkles.count = count;
 
   color sum = color(0.0);
@@ -315,7 +316,7 @@ struct PixelSparkles {
   color mean_radiance;
 };
 
-// `blurred`: the mean, without its noise. mean_radiance is found where it is asked for.
+// `blurred`, or without contrast: the mean, and nothing is drawn. mean_radiance is found where it is asked for.
 PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, Passage way,
                       int light, int frame, int seed, int blurred, int asked_mean, int shown)
 {
@@ -325,15 +326,16 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   all.radiance = color(0.0);
   all.mean_radiance = color(0.0);
   float ceiling = 0.0;
+  int only_mean = blurred || !(layer.sparkle_contrast > 0.0);
   for (int i = 0; i < layer.species; ++i) {
     ExpectedSparkles expected = expect_sparkles(layer, flakes[i], library, surface.footprint, way);
     color mean = color(0.0);
-    if (blurred || asked_mean)
+    if (only_mean || asked_mean)
       mean = mean_radiance(expected);
     Sparkles drawn;
-    drawn.count = expected.mean_count;
-    drawn.radiance = mean;
-    if (!blurred)
+    drawn.count = floor(expected.mean_count + 0.5);
+    drawn.radiance = min(mean, color(expected.ceiling));
+    if (!only_mean)
       drawn = draw_sparkles(expected, flakes[i].area_spread, stream_key(light, i, frame, seed),
                             surface.pixel_x, surface.pixel_y);
     if (i == shown) {

@@ -17,6 +17,7 @@ from .paint import (
     FLAKES,
     INT_MAX,
     INT_MIN,
+    LIGHTS,
     PANELS,
     PARAMETERS,
     SECOND,
@@ -33,7 +34,7 @@ from .paint import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 2  # of the group's interface: another layout, another version
+VERSION = 3  # of the group's interface: another layout, another version
 OUTPUT = "BSDF"
 SHOWN = "Shown"  # the shader's diagnostic, a colour
 NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
@@ -54,6 +55,7 @@ _PANEL_DESCRIPTIONS = {
     BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
+    LIGHTS: "How the lights that sparkle show on this paint",
     DIAGNOSTICS: "Inner values of the shader instead of the paint, for tests",
 }
 

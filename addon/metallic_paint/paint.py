@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 Color = tuple[float, float, float]
 
-FLAKES, BINDER, SUBSTRATE, SPARKLE = "Flakes", "Binder", "Substrate", "Sparkle"
+FLAKES, BINDER, SUBSTRATE, SPARKLE, LIGHTS = "Flakes", "Binder", "Substrate", "Sparkle", "Lights"
 SECOND, THIRD = "Second Flakes", "Third Flakes"
-PANELS = (FLAKES, SECOND, THIRD, BINDER, SUBSTRATE, SPARKLE)
+PANELS = (FLAKES, SECOND, THIRD, BINDER, SUBSTRATE, SPARKLE, LIGHTS)
 
 COATINGS = (
     "colors", "aluminium", "silver", "gold", "copper", "bronze", "brass", "chromium", "nickel",
@@ -261,6 +261,11 @@ class Paint(Flakes):
         "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a "
         "pixel takes the brighter of both",
         choices=("exact", "published"),
+    )
+    sparkle_contrast: float = _field(
+        1.0, "SparkleContrast", "Sparkle Contrast", LIGHTS, 0, 1,
+        "How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, "
+        "only their mean is left. The paint stays as bright", subtype="FACTOR",
     )
     seed: int = _field(
         0, "Seed", "Seed", SPARKLE, INT_MIN, INT_MAX, "Another number, another set of flakes",

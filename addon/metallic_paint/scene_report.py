@@ -25,7 +25,7 @@ from mathutils.bvhtree import BVHTree
 from mathutils.interpolate import poly_3d_calc
 
 from . import denoise, lights, material, needs, operators, verify
-from .paint import Paint, PaintError, core_paint
+from .paint import PARAMETERS, Paint, PaintError, core_paint
 from .panel import SubPanel, draw_lines
 
 if TYPE_CHECKING:
@@ -244,6 +244,10 @@ def _about(
 
 def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> Iterator[Line]:
     held = f"{label}: {_number(expected.flakes)} flakes a pixel"
+    contrast = node.inputs[PARAMETERS["sparkle_contrast"].label]
+    if contrast.default_value == 0 and not contrast.is_linked:
+        yield INFO, f"{held}. With {contrast.name} 0 they show their mean, no sparkles."
+        return
     if expected.sparkles is None:
         yield INFO, f"{held}."
         yield INFO, f"{label}: sparkles cannot be foretold. {verify.core_missing()}"
@@ -303,6 +307,7 @@ def _expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Ex
     # A pixel's radiance for E = 1: that of one sparkle, or of so many as two deviations allow.
     mean, variance = (found[key].mean(axis=-1) for key in ("mean_radiance", "variance"))
     one = np.where(counts > 1e-6, mean / np.maximum(counts, 1e-6), 0)
+    one = mean + paint.sparkle_contrast * (one - mean)
     bright = np.maximum(one, mean + 2 * np.sqrt(variance)) * _irradiances(lamps, seen)
     return Expected(
         flakes=flakes,

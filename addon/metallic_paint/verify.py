@@ -329,7 +329,7 @@ def _near_threshold(
 ) -> np.ndarray:
     """Counts that the core finds too, when <N> and the uniform deviate move by their rounding.
 
-    From afar nothing is drawn: the count is <N>, to the nearest whole number.
+    From afar and without contrast nothing is drawn: the count is <N>, to the nearest whole number.
     """
     import metallic_paint_core as core
 
@@ -344,6 +344,7 @@ def _near_threshold(
     most = core.count_deviate(
         mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
     )
-    undrawn = (mean > FAR_COUNT) & (np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7)
+    undrawn = (mean > FAR_COUNT) | (paint.sparkle_contrast == 0)
+    undrawn &= np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7
     as_mean = undrawn & (np.abs(found - mean) <= 1 + mean * MEAN_ROUNDING)
     return (fewest <= found) & (found <= most) | as_mean

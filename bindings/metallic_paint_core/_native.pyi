@@ -53,6 +53,7 @@ class Paint(FlakeSpecies):
     rayleigh_per_mm: float  # 0 to 1e6 1/mm
     depth_model: DepthModel
     radiometry: Radiometry
+    sparkle_contrast: float  # share of the sparkles' fluctuation about their mean, 0 to 1
     seed: int
     frame: int
 

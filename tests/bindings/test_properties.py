@@ -82,6 +82,7 @@ def paints(draw: st.DrawFn) -> dict[str, Any]:
         "rayleigh_per_mm": draw(spanning(1e-6, 1e6, zero=True)),
         "depth_model": draw(st.sampled_from(list(core.DepthModel))),
         "radiometry": draw(st.sampled_from(list(core.Radiometry))),
+        "sparkle_contrast": draw(UNIT),
         "seed": draw(INT32),
         "frame": draw(INT32),
     }
@@ -504,6 +505,7 @@ RANGES = {
     "binder_ior": (0.1, 10),
     "layer_thickness_um": (0, 1e6),
     "rayleigh_per_mm": (0, 1e6),
+    "sparkle_contrast": (0, 1),
     "flake_color": (0, 1),
     "flake_edge_color": (0, 1),
     "flake_transmission": (0, 1),

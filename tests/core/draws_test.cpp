@@ -109,6 +109,7 @@ TEST(Draws, CountAndRadianceHaveTheirMeanAndVariance) {
     scene.paint.radiometry = static_cast<Radiometry>(k / 2 % 2);
     scene.paint.orientation = static_cast<Orientation>(k / 4 % 3);
     scene.paint.flake_area_spread = rounded(std::array{0.0, 0.3, 0.8, 2.0}[k / 12 % 4]);
+    scene.paint.sparkle_contrast = k < scenes / 2 ? 1 : 0.4;
     aim(scene, random, 2.5);
     scene.light_sine = rounded(random.log_uniform(1e-3, 0.2));
     scene = rounded(scene);

@@ -193,6 +193,7 @@ TEST(Extremes, RandomValidPaints) {
     p.rayleigh_per_mm = random.below(2) == 0 ? 0 : random.log_uniform(1e-9, 1e6);
     p.depth_model = static_cast<DepthModel>(random.below(2));
     p.radiometry = static_cast<Radiometry>(random.below(2));
+    p.sparkle_contrast = random.below(3) == 0 ? random.uniform(0, 1) : random.below(2);
     scene.light_sine = random.below(4) == 0 ? 0 : random.log_uniform(1e-9, 1);
     scene.footprint = random.log_uniform(1e-30, 1e30);
     ASSERT_NO_THROW(validate(p)) << scene;

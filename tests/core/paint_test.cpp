@@ -83,6 +83,8 @@ const Field kFields[] = {
      [](Paint& p) -> double& { return p.binder_absorption_per_mm.z; }},
     {"rayleigh_per_mm", 0, 1e6, "from 0 to 1000000 1/mm",
      [](Paint& p) -> double& { return p.rayleigh_per_mm; }},
+    {"sparkle_contrast", 0, 1, "from 0 to 1",
+     [](Paint& p) -> double& { return p.sparkle_contrast; }},
 };
 
 // A paint that any single field may take to its limit: black flakes reflect and transmit nothing.

@@ -55,9 +55,10 @@ inline std::ostream& operator<<(std::ostream& out, const TestScene& s) {
              << p.binder_absorption_per_mm.x << ' ' << p.binder_absorption_per_mm.y << ' '
              << p.binder_absorption_per_mm.z << " /mm, rayleigh " << p.rayleigh_per_mm
              << " /mm, depth model " << static_cast<int>(p.depth_model) << ", radiometry "
-             << static_cast<int>(p.radiometry) << ", cos view " << dot(s.normal, s.view)
-             << ", cos light " << dot(s.normal, s.light) << ", beta " << s.beta << ", light sine "
-             << s.light_sine << ", footprint " << s.footprint << " m2]";
+             << static_cast<int>(p.radiometry) << ", contrast " << p.sparkle_contrast
+             << ", cos view " << dot(s.normal, s.view) << ", cos light " << dot(s.normal, s.light)
+             << ", beta " << s.beta << ", light sine " << s.light_sine << ", footprint "
+             << s.footprint << " m2]";
 }
 
 inline double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }

@@ -179,6 +179,7 @@ def random_paint(chance: random.Random) -> Paint:
         depth_model=chance.choice(["attenuated", "thinned"]),
         radiometry=chance.choice(["exact", "published"]),
         composition=chance.choice(["exact", "published"]),
+        sparkle_contrast=decades(1e-3, 1, zero=0.2),
         substrate_color=tuple(chance.random() for _ in range(3)),
         texture_contrast=decades(1e-6, 1, zero=0.5),
         coat_roughness=decades(1e-6, 1, zero=0.3),

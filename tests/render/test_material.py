@@ -41,8 +41,8 @@ EVERYTHING_ELSE = Paint(
     ),
     binder_ior=1.7, layer_thickness_um=18, binder_absorption_per_mm=(19, 20, 21),
     rayleigh_per_mm=22, diffraction="none", depth_model="thinned", radiometry="published",
-    composition="published", seed=23, substrate_color=(0.51, 0.52, 0.53), texture_contrast=0.54,
-    coat_roughness=0.6, orange_peel=0.61, orange_peel_mm=62,
+    composition="published", sparkle_contrast=0.63, seed=23, substrate_color=(0.51, 0.52, 0.53),
+    texture_contrast=0.54, coat_roughness=0.6, orange_peel=0.61, orange_peel_mm=62,
 )  # fmt: skip
 
 

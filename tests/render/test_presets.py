@@ -176,7 +176,7 @@ def test_a_paint_does_not_change() -> None:
 def test_a_saved_paint_is_read_back(tmp_path: Path) -> None:
     paint = Paint(
         flakes_per_mm2=1234.5, orientation="ggx", tilt=0.21, flake_color=(0.1, 0.2, 1 / 3),
-        depth_model="thinned", radiometry="published", seed=-7,
+        depth_model="thinned", radiometry="published", sparkle_contrast=0.3, seed=-7,
     )  # fmt: skip
     presets.save(paint, tmp_path / "mine.json", "Käferblau")
     assert presets.load(tmp_path / "mine.json") == paint
