@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the add-on as Blender's extension: one zip that works in every Blender at hand."""
+"""Builds the add-on as Blender's extension: for each platform a zip that works in every Blender.
+
+The native module is in the zip for this machine's platform only; the paint works without it.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,8 @@ from processes import (
 )
 
 ID = "metallic_paint"
-PLATFORMS = {"x86_64": "linux-x64", "aarch64": "linux-arm64"}  # Blender's names
+MACHINES = {"x86_64": "linux-x64", "aarch64": "linux-arm64"}  # Blender's names of platforms
+PLATFORMS = (*MACHINES.values(), "macos-arm64", "macos-x64", "windows-arm64", "windows-x64")
 ADDON = ROOT / "addon" / ID
 MANIFEST = ROOT / "addon" / "blender_manifest.toml"
 TABLE = ROOT / "core" / "coating_library.inc"  # which the shader includes from there
@@ -43,25 +47,34 @@ RENDERED_FROM = (
 MOST_LIBRARY_BYTES = 3_000_000
 
 
-def build(blenders: Sequence[Blender], out: Path) -> Path:
-    """The zip with the bindings for these Blenders, prepared before; whole or not at all."""
-    version = (ROOT / "VERSION").read_text().strip()
-    kind = PLATFORMS.get(platform.machine())
+def own_platform() -> str:
+    kind = MACHINES.get(platform.machine())
     if kind is None:
         raise StepFailedError(
-            f"This machine is {platform.machine()}; the extension is built for "
-            f"{' and '.join(PLATFORMS)}."
+            f"This machine is {platform.machine()}; the extension is built on "
+            f"{' and '.join(MACHINES)}."
         )
+    return kind
+
+
+def build(blenders: Sequence[Blender], out: Path, kind: str) -> Path:
+    """The zip for this platform; whole or not at all.
+
+    That for our own has the bindings for these Blenders, which were prepared before.
+    """
+    version = (ROOT / "VERSION").read_text().strip()
     file = out / f"{ID}-{version}-{kind}.zip"
+    native = blenders if kind == own_platform() else ()
     environments.prepare_tool(WHEELS)
     with environments.alone(), tempfile.TemporaryDirectory(dir=BUILD) as scratch:
-        wheels = [_portable_wheel(blender, Path(scratch)) for blender in blenders]
+        wheels = [_portable_wheel(blender, Path(scratch)) for blender in native]
         _render_library(blenders[0])
         folder = Path(scratch) / ID
         _fill(folder, wheels)
         text = Template(MANIFEST.read_text(encoding="utf-8"))
         names = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
-        manifest = text.substitute(version=version, platform=kind, wheels=names)
+        field = f"wheels = [{names}]" if wheels else ""  # no empty key, as Blender asks
+        manifest = text.substitute(version=version, platform=kind, wheels=field)
         (folder / MANIFEST.name).write_text(manifest, encoding="utf-8")
         try:
             out.mkdir(parents=True, exist_ok=True)
@@ -135,15 +148,23 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="paint extension", description=__doc__)
     parser.add_argument(
         "--out", type=Path, default=ROOT / "out" / "extension", metavar="DIR",
-        help="folder for the zip (out/extension)",
+        help="folder for the zips (out/extension)",
     )  # fmt: skip
-    out = parser.parse_args().out
+    parser.add_argument(
+        "--platform", choices=(*PLATFORMS, "all"),
+        help="which one's zip, or all (this machine's, which alone has the native module)",
+    )  # fmt: skip
+    asked = parser.parse_args()
+    out = asked.out
     if out.exists() and not out.is_dir():
         raise StepFailedError(f"--out {out}: not a folder.")
     blenders = environments.prepare_blenders()
-    file = build(blenders, out)
+    own = own_platform()
     versions = " and ".join(blender.python_version for blender in blenders)
-    say(f"{file} ({file.stat().st_size / 1e6:.1f} MB, native module for Python {versions})")
+    for kind in PLATFORMS if asked.platform == "all" else [asked.platform or own]:
+        file = build(blenders, out, kind)
+        native = f"native module for Python {versions}" if kind == own else "no native module"
+        say(f"{file} ({file.stat().st_size / 1e6:.1f} MB, {native})")
     return 0
 
 

@@ -172,7 +172,7 @@ class _Extension:
     def _build(self) -> str:
         say("Building the extension…")
         try:
-            extension.build(self._blenders, extension.TESTED)
+            extension.build(self._blenders, extension.TESTED, extension.own_platform())
         except StepFailedError as error:
             return str(error)
         return ""

@@ -180,7 +180,7 @@ class Job:
             self.progress = line.get("progress", self.progress)
             self.what = line.get("what", self.what)
         if ended and self.found is None:
-            log = (self.folder / "log").read_text(errors="replace").splitlines()
+            log = (self.folder / "log").read_text(encoding="utf-8", errors="replace").splitlines()
             raise VerifyError(f"The other Blender ended: {' '.join(log[-3:]) or 'without a word'}")
         return ended
 

@@ -1,35 +1,159 @@
 # SPDX-License-Identifier: Apache-2.0
-"""./paint extension: what it writes, and how it refuses."""
+"""./paint extension: what it writes, and how it refuses.
+
+Installed here is a zip for another platform, which has no native module.
+"""
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
+import bpy
+import pytest
+from package import NAME
+from recording import drawn
+
 ROOT = Path(__file__).resolve().parent.parent.parent
+MANIFEST = "blender_manifest.toml"
+FOREIGN = "windows-x64"
+
+
+def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, ROOT / "tools" / "extension.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+def contents(file: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(file) as zipped:
+        return {name: zipped.read(name) for name in zipped.namelist()}
+
+
+@pytest.fixture(scope="session")
+def own() -> Path:
+    [file] = (ROOT / "build" / "extension").iterdir()
+    return file
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("foreign")
+    built = run("--platform", FOREIGN, "--out", out)
+    assert built.returncode == 0, built.stdout + built.stderr
+    [file] = out.iterdir()
+    return file
+
+
+@pytest.fixture(scope="session")
+def installed(own: Path, foreign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """From the foreign zip, in which only the platform's name is another: Blender looks at it."""
+    disguised = tmp_path_factory.mktemp("disguised") / foreign.name
+    platform = tomllib.loads(contents(own)[MANIFEST].decode())["platforms"][0]
+    with zipfile.ZipFile(disguised, "w") as zipped:
+        for name, content in contents(foreign).items():
+            changes = name == MANIFEST
+            zipped.writestr(
+                name, content.replace(FOREIGN.encode(), platform.encode()) if changes else content
+            )
+    bpy.ops.extensions.package_install_files(
+        filepath=str(disguised), repo="user_default", enable_on_install=True
+    )
+    return Path(importlib.import_module(NAME).__file__).parent
+
+
+@pytest.fixture
+def no_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The environment has the native module too."""
+    monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
 
 
 def test_output_must_be_a_folder(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("mine")
-    command = [sys.executable, ROOT / "tools" / "extension.py", "--out", file]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert (run.returncode, run.stderr) == (1, f"--out {file}: not a folder.\n")
+    refused = run("--out", file)
+    assert (refused.returncode, refused.stderr) == (1, f"--out {file}: not a folder.\n")
     assert file.read_text() == "mine"
 
 
-def test_zip_is_named_by_version_and_platform_and_holds_no_trace_of_this_machine() -> None:
+def test_unknown_platform_is_refused_with_the_known_ones() -> None:
+    refused = run("--platform", "amiga")
+    assert refused.returncode == 2
+    for name in ("amiga", FOREIGN, "macos-arm64"):
+        assert name in refused.stderr.splitlines()[-1]
+
+
+def test_zip_is_named_by_version_and_platform_and_holds_no_trace_of_this_machine(
+    own: Path, foreign: Path
+) -> None:
     version = (ROOT / "VERSION").read_text().strip()
-    [file] = (ROOT / "build" / "extension").iterdir()
-    assert file.name.startswith(f"metallic_paint-{version}-linux-")
-    with zipfile.ZipFile(file) as zipped:
-        texts = [name for name in zipped.namelist() if name.endswith((".py", ".toml", ".txt"))]
-        assert "blender_manifest.toml" in texts
+    assert own.name.startswith(f"metallic_paint-{version}-linux-")
+    assert foreign.name == f"metallic_paint-{version}-{FOREIGN}.zip"
+    for file in (own, foreign):
+        held = contents(file)
+        texts = [name for name in held if name.endswith((".py", ".toml", ".txt"))]
+        assert MANIFEST in texts
         for name in texts:
-            content = zipped.read(name).decode()
+            content = held[name].decode()
             assert str(ROOT) not in content, name
             assert "$" not in content or not name.endswith(".toml")
-        library = zipped.read("assets/metallic_paint.blend")
-    assert str(ROOT).encode() not in library
+        assert str(ROOT).encode() not in held["assets/metallic_paint.blend"]
+
+
+def test_foreign_zip_differs_by_platform_and_native_module_only(own: Path, foreign: Path) -> None:
+    ours, theirs = contents(own), contents(foreign)
+    our_manifest, manifest = (tomllib.loads(each.pop(MANIFEST).decode()) for each in (ours, theirs))
+    wheels = [name.removeprefix("./") for name in our_manifest.pop("wheels")]
+    assert wheels
+    assert manifest == our_manifest | {"platforms": [FOREIGN]}
+    assert theirs.keys() == ours.keys() - wheels
+    assert [name for name in theirs if theirs[name] != ours[name]] == []
+
+
+def test_this_blender_finds_the_foreign_zip_valid_and_refuses_it(
+    foreign: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    scripts = Path(bpy.utils.system_resource("SCRIPTS"))
+    tool = scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
+    command = [sys.executable, "-B", tool, "validate", foreign]
+    assert subprocess.run(command, timeout=60, check=False).returncode == 0
+    bpy.ops.extensions.package_install_files(filepath=str(foreign), repo="user_default")
+    assert f"isn't one of ({FOREIGN})" in capfd.readouterr().out
+
+
+def test_shader_survives_the_encodings_of_other_systems(foreign: Path) -> None:
+    """Blender writes it for the compiler in that of the system, which need not be UTF-8."""
+    for name, content in contents(foreign).items():
+        if name.startswith(("osl/", "core/")):
+            assert content.isascii(), name
+
+
+@pytest.mark.usefixtures("no_core")
+def test_paint_works_without_the_native_module(installed: Path) -> None:
+    assert not (installed / "wheels").exists()
+    assert not [*Path(bpy.utils.user_resource("EXTENSIONS")).glob(".local/lib/*/site-packages/*")]
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 16
+    bpy.ops.object.light_add(type="SUN")
+    bpy.ops.object.camera_add(location=(0, 0, 0.4))
+    scene.camera = bpy.context.object
+    bpy.ops.mesh.primitive_plane_add(size=0.1)
+    bpy.ops.scene.metallic_paint_use_osl()
+    assert bpy.ops.material.metallic_paint_new(preset="silver-coarse") == {"FINISHED"}
+    assert bpy.context.object.active_material.name == "Silver Coarse"
+    assert bpy.ops.scene.metallic_paint_report() == {"FINISHED"}
+    shown = " ".join(drawn(bpy.types.MATERIAL_PT_metallic_paint_report).texts)
+    assert "flakes a pixel" in shown
+    assert "sparkles cannot be foretold" in shown
+
+
+@pytest.mark.usefixtures("no_core")
+def test_verify_says_that_there_is_no_native_module() -> None:
+    shown = drawn(bpy.types.MATERIAL_PT_metallic_paint_verify)
+    said = "This build of the add-on has no native module for this Blender."
+    assert " ".join(shown.texts) == f"{said} The paint works without it."
+    assert not shown.names
+    assert not bpy.ops.scene.metallic_paint_verify.poll()

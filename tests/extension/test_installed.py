@@ -4,12 +4,10 @@
 from __future__ import annotations
 
 import importlib
-import sys
 from pathlib import Path
 
 import addon_utils
 import bpy
-import pytest
 from package import NAME, Addon
 
 HANDLERS = ("depsgraph_update_post", "load_post", "save_pre", "undo_pre", "undo_post", "redo_pre",
@@ -45,15 +43,6 @@ def test_native_module_comes_from_the_zip(installed: Path) -> None:
     core = importlib.import_module("metallic_paint_core")
     user = Path(bpy.utils.user_resource("EXTENSIONS"))
     assert user in Path(core.__file__).parents
-
-
-def test_paint_works_without_the_native_module(
-    addon: Addon, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
-    bpy.ops.mesh.primitive_cube_add()
-    assert bpy.ops.material.metallic_paint_new() == {"FINISHED"}
-    assert bpy.context.object.active_material.name == "Metallic Paint"
 
 
 def test_disabling_leaves_nothing_and_enabling_brings_it_back() -> None:

@@ -217,7 +217,7 @@ def test_without_the_native_module_flakes_are_counted_and_the_reason_is_said(
     monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
     text = said(scene)
     assert "flakes a pixel." in text
-    assert "metallic_paint_core cannot be loaded" in text
+    assert "sparkles cannot be foretold. This build of the add-on has no native module" in text
 
 
 def test_values_that_no_paint_can_have_are_named() -> None:
