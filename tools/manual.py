@@ -16,10 +16,14 @@ from processes import ROOT, StepFailedError, describe, run_limited, run_program,
 
 sys.path.insert(0, str(ROOT / "addon"))
 from metallic_paint import presets
-from metallic_paint.paint import Paint
+from metallic_paint.paint import PARAMETERS, Paint, shader_value, value_of
 
 SECONDS = 600  # for one strip
 NEAR_MM = 12
+
+# What a strip sets beside the paint's fields, with the usual values: Model Scale, and for
+# each normal the strength of a bump map.
+BESIDE = {"Model Scale": 1.0, "Normal": 0.0, "Coat Normal": 0.0}
 
 
 @dataclass(frozen=True)
@@ -27,12 +31,26 @@ class Strip:
     """A preset again and again, each time with other values of its fields."""
 
     preset: str
-    shots: dict[str, dict[str, Any]]  # words below the shot: fields and their values
+    shots: dict[str, dict[str, Any]]  # words below the shot: values of fields and of BESIDE
     near: bool = False  # NEAR_MM of paint; otherwise a ball of 40 mm
 
     def paints(self) -> dict[str, Paint]:
         base = presets.load(self.preset)
-        return {words: replace(base, **fields) for words, fields in self.shots.items()}
+        return {
+            words: replace(base, **{name: values[name] for name in values.keys() - BESIDE.keys()})
+            for words, values in self.shots.items()
+        }
+
+    def sockets(self) -> dict[str, dict[str, Any]]:
+        """What the node holds in each shot, by label."""
+        return {
+            words: {
+                parameter.label: shader_value(parameter, value_of(paint, name))
+                for name, parameter in PARAMETERS.items()
+            }
+            | {label: self.shots[words].get(label, usual) for label, usual in BESIDE.items()}
+            for words, paint in self.paints().items()
+        }
 
 
 _RED = (0.84, 0.11, 0.09)
@@ -130,6 +148,58 @@ STRIPS = {
     ),
     "texture-contrast": Strip(
         "white-pearl", {f"{c:g}": {"texture_contrast": c} for c in (0, 0.03, 0.1, 0.3)}
+    ),
+    "diffraction": Strip(
+        "silver-coarse",
+        {
+            f"{um} µm, {kind}": {
+                "diffraction": kind, "flake_diameter_um": um, "flakes_per_mm2": 1000,
+            }
+            for um in (10, 30) for kind in ("none", "disc")
+        },
+        near=True,
+    ),
+    "depth-model": Strip(
+        "silver-coarse",
+        {
+            f"{kind}, {k} / mm": {
+                "depth_model": kind, "layer_thickness_um": 200,
+                "binder_absorption_per_mm": (k, k / 2, 0),
+            }
+            for k in (0, 20) for kind in ("attenuated", "thinned")
+        },
+        near=True,
+    ),
+    "radiometry": Strip(
+        "silver-coarse",
+        {
+            f"{kind}, {x:g} rad": {"radiometry": kind, "tilt": x, "Model Scale": 20}
+            for x in (0.12, 0.3) for kind in ("exact", "published")
+        },
+    ),
+    "composition": Strip(
+        "silver-coarse",
+        {
+            f"{kind}, scale {scale}": {
+                "composition": kind, "Model Scale": scale, "flakes_per_mm2": 300, "tilt": 0.2,
+                "substrate_color": (0.03, 0.5, 0.05),
+            }
+            for scale in (1, 20) for kind in ("exact", "published")
+        },
+    ),
+    "seed": Strip(
+        "silver-coarse",
+        {str(number): {"seed": number, "flakes_per_mm2": 500} for number in (0, 1, 2)},
+        near=True,
+    ),
+    "model-scale": Strip("silver-coarse", {f"{x:g}": {"Model Scale": x} for x in (0.2, 1, 5, 20)}),
+    "normal": Strip(
+        "deep-blue",
+        {
+            "none": {},
+            "Normal": {"Normal": 1, "Coat Normal": 1},  # the coat's unlinked one follows
+            "Coat Normal": {"Coat Normal": 1},
+        },
     ),
 }  # fmt: skip
 

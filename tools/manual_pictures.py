@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import blender_env
 
@@ -16,9 +17,8 @@ import gallery_scenes as scenes  # noqa: E402
 import numpy as np  # noqa: E402
 import render_scene  # noqa: E402
 from gallery_pictures import Studio, write  # noqa: E402
-from manual import NEAR_MM, STRIPS, Strip  # noqa: E402
+from manual import BESIDE, NEAR_MM, STRIPS, Strip  # noqa: E402
 from metallic_paint import material  # noqa: E402
-from metallic_paint.paint import PARAMETERS, Paint, shader_value, value_of  # noqa: E402
 
 PIXELS = 168  # along each side of a shot
 SAMPLES = 16
@@ -33,30 +33,46 @@ def shoot(strip: Strip) -> np.ndarray:
     scene.render.use_persistent_data = True  # the paint stays compiled
     ball = scenes.close_up(scene, NEAR_MM * 1e-3) if strip.near else scenes.small_swatch(scene)
     label = scenes.add_label(scene, "", plate=strip.near)
-    paints = strip.paints()
-    render_scene.paint_objects([ball], next(iter(paints.values())))
-    varied = link_varied(ball.data.materials[0], list(paints.values()))
-    shots = []
-    for words, paint in paints.items():
+    render_scene.paint_objects([ball], next(iter(strip.paints().values())))
+    shots = strip.sockets()
+    varied = link_varied(ball.data.materials[0], list(shots.values()))
+    pictures = []
+    for words, values in shots.items():
         for name in varied:
-            ball[name] = shader_value(PARAMETERS[name], value_of(paint, name))
+            ball[name] = values[name]
         ball.update_tag()
         label.data.body = words
-        shots.append(studio.shoot(scene, words))
-    return np.concatenate(shots, axis=1)
+        pictures.append(studio.shoot(scene, words))
+    return np.concatenate(pictures, axis=1)
 
 
-def link_varied(painted: bpy.types.Material, paints: Sequence[Paint]) -> list[str]:
-    """Feeds what differs between the paints from properties of the object, named as the fields."""
-    varied = [name for name in PARAMETERS if len({value_of(paint, name) for paint in paints}) > 1]
+def link_varied(painted: bpy.types.Material, shots: Sequence[dict[str, Any]]) -> list[str]:
+    """Feeds the sockets whose value some shot changes from properties of the object, by label."""
+    own = shots[0] | BESIDE
+    varied = [name for name in own if any(shot[name] != own[name] for shot in shots)]
     tree, node = painted.node_tree, material.paint_node(painted)
     for name in varied:
         source = tree.nodes.new("ShaderNodeAttribute")
         source.attribute_type, source.attribute_name = "OBJECT", name
-        socket = node.inputs[PARAMETERS[name].label]
+        socket = node.inputs[name]
+        if name in (material.NORMAL, material.COAT_NORMAL):
+            socket = add_bump(tree, socket)
         kind = {"RGBA": "Color", "VECTOR": "Vector"}.get(socket.type, "Fac")
         tree.links.new(source.outputs[kind], socket)
     return varied
+
+
+def add_bump(tree: bpy.types.NodeTree, normal: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Wrinkles some millimetres wide for that socket; returns the one that takes their strength."""
+    place, noise, bump = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "TexNoise", "Bump")
+    )
+    noise.inputs["Scale"].default_value = 200  # per metre
+    bump.inputs["Distance"].default_value = 3e-3
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], normal)
+    return bump.inputs["Strength"]
 
 
 def main() -> None:

@@ -89,7 +89,7 @@ def test_every_other_socket_and_panel_of_the_node_is_named() -> None:
     own = {parameter.label for parameter in PARAMETERS.values()}
     others = [item.name for item in items if item.name not in own]
     assert set(PANELS) < set(others)
-    assert material.MODEL_SCALE in others
+    assert manual.BESIDE.keys() < set(others)
     for name in others:
         assert name in TEXT
 
@@ -143,10 +143,10 @@ def test_the_manual_shows_every_strip() -> None:
 
 
 @pytest.mark.parametrize("name", manual.STRIPS)
-def test_the_shots_of_a_strip_are_different_paints(name: str) -> None:
-    paints = list(manual.STRIPS[name].paints().values())
-    assert len(paints) in (3, 4)
-    assert len({repr(paint) for paint in paints}) == len(paints)
+def test_the_shots_of_a_strip_differ(name: str) -> None:
+    shots = list(manual.STRIPS[name].sockets().values())
+    assert len(shots) in (3, 4)
+    assert len({repr(shot) for shot in shots}) == len(shots)
 
 
 def test_a_shot_is_its_paint(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -167,6 +167,21 @@ def test_a_shot_is_its_paint(monkeypatch: pytest.MonkeyPatch) -> None:
         assert np.count_nonzero(differ > 2) <= 0.01 * differ.size
         differ = np.abs(both[:, :32].astype(int) - alone).max(axis=-1)
         assert np.count_nonzero(differ > 10) > 0.1 * differ.size
+
+
+def test_what_is_beside_the_paint_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first shot has none of it, though the others do."""
+    monkeypatch.setattr(manual_pictures, "PIXELS", 32)
+    monkeypatch.setattr(manual_pictures, "SAMPLES", 4)
+    others = {label: {label: 5.0} for label in manual.BESIDE}
+    plain = manual_pictures.shoot(Strip("deep-blue", {"none": {}}))
+    every = manual_pictures.shoot(Strip("deep-blue", {"none": {}, **others}))
+    for number, shot in enumerate(np.split(every, 1 + len(others), axis=1)):
+        differ = np.abs(shot.astype(int) - plain).max(axis=-1)[:24]  # above the words
+        if number == 0:
+            assert np.count_nonzero(differ > 2) <= 0.01 * differ.size
+        else:
+            assert np.count_nonzero(differ > 10) > 0.1 * differ.size, number
 
 
 def test_what_is_not_there_is_said(tmp_path: Path) -> None:
