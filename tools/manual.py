@@ -193,6 +193,9 @@ STRIPS = {
         near=True,
     ),
     "model-scale": Strip("silver-coarse", {f"{x:g}": {"Model Scale": x} for x in (0.2, 1, 5, 20)}),
+    "sparkle-contrast": Strip(
+        "silver-coarse", {f"{c:g}": {"sparkle_contrast": c} for c in (0, 0.3, 0.6, 1)}
+    ),
     "normal": Strip(
         "deep-blue",
         {

@@ -7,14 +7,13 @@ versions.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
 
 import bpy
 
-from . import lights, material, shader
+from . import animation, lights, material, shader
 
 _PARKED = "metallic_paint_parked["
 
@@ -142,20 +141,15 @@ def _park_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -
 
     Blender 5 would delete those of sockets that go.
     """
-    pattern = re.compile(re.escape(f"{node.path_from_id()}.inputs[") + r"(\d+)\](.*)", re.DOTALL)
-    labels = [socket.name for socket in node.inputs]
-    for curves in _curves(tree):
-        for curve in curves:
-            match = pattern.fullmatch(curve.data_path)
-            if match and int(match[1]) < len(labels):
-                curve.data_path = f"{_PARKED}{labels[int(match[1])]}]{match[2]}"
+    for curve, socket, rest in animation.of_inputs(tree, node):
+        curve.data_path = f"{_PARKED}{socket.name}]{rest}"
 
 
 def _unpark_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
     """Back to numbers, today's; returns the labels that are no more, without their animation."""
     numbers = {socket.name: number for number, socket in enumerate(node.inputs)}
     lost = set()
-    for curves in _curves(tree):
+    for curves in animation.curves(tree):
         for curve in [each for each in curves if each.data_path.startswith(_PARKED)]:
             label, _, rest = curve.data_path.removeprefix(_PARKED).rpartition("]")
             if label in numbers:
@@ -164,32 +158,6 @@ def _unpark_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup)
                 curves.remove(curve)
                 lost.add(label)
     return lost
-
-
-def _curves(
-    tree: bpy.types.NodeTree,
-) -> Iterator[bpy.types.AnimDataDrivers | bpy.types.ActionChannelbagFCurves]:
-    animation = tree.animation_data
-    if animation is None:
-        return
-    yield animation.drivers
-    used = {(animation.action, animation.action_slot)}
-    for track in animation.nla_tracks:
-        used.update((strip.action, strip.action_slot) for strip in _strips(track))
-    for action, slot in used:
-        if action is None or slot is None:
-            continue
-        for layer in action.layers:
-            for strip in layer.strips:
-                if (bag := strip.channelbag(slot)) is not None:
-                    yield bag.fcurves
-
-
-def _strips(of: bpy.types.NlaTrack | bpy.types.NlaStrip) -> Iterator[bpy.types.NlaStrip]:
-    """Of the nonlinear editor, with those that strips of strips hold."""
-    for strip in of.strips:
-        yield strip
-        yield from _strips(strip)
 
 
 def _remove_unused() -> None:

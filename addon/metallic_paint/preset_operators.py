@@ -15,8 +15,8 @@ import bpy.utils.previews
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import material, operators, presets
-from .paint import PaintError
+from . import animation, material, operators, presets
+from .paint import PARAMETERS, PaintError
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -79,11 +79,17 @@ class _ChangesPaint(bpy.types.Operator):
 def _apply(
     operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str
 ) -> set[OperatorReturnItems]:
+    node, tree = operators.paint_node(context), operators.active_material(context).node_tree
     try:
-        material.apply(operators.paint_node(context), presets.load(name_or_path))
+        material.apply(node, presets.load(name_or_path))
     except (presets.PresetError, PaintError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+    animated = {socket.name for _, socket, _ in animation.of_inputs(tree, node)}
+    labels = [parameter.label for parameter in PARAMETERS.values()]
+    kept = [label for label in labels if label in animated or node.inputs[label].is_linked]
+    if kept:
+        operator.report({"WARNING"}, f"Linked or animated, not the preset's: {', '.join(kept)}.")
     return {"FINISHED"}
 
 

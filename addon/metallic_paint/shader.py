@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import sys
@@ -22,6 +23,8 @@ _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*$', re.MULTILI
 # Each header goes in once as it is; in a text of one piece the pragma crashes Blender's oslc.
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*\n", re.MULTILINE)
 _COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
+# Of the bytecode: which line of which file on this machine each operation comes from.
+_ORIGIN = re.compile(r'^#.*\n|[ \t]*%filename\{"[^"\n]*"\}|[ \t]*%line\{\d+\}', re.MULTILINE)
 
 
 def source() -> str:
@@ -58,7 +61,7 @@ def _flatten(path: Path, seen: set[Path], within: tuple[Path, ...]) -> str:
 
 
 def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None:
-    """Compiles the text into the node, bytecode inside.
+    """Compiles the text into the node, bytecode inside, without its origin.
 
     Blender itself does not tell a failure: the node would render black. Raises RuntimeError with
     what the compiler said.
@@ -73,6 +76,8 @@ def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None
         raise RuntimeError(
             f"{text.name} does not compile as OSL: {message or 'the compiler said nothing'}"
         )
+    node.bytecode = _ORIGIN.sub("", node.bytecode)
+    node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 
 @contextmanager

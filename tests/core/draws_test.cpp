@@ -96,6 +96,43 @@ void expect_closed_form(const TestScene& scene, int stream, double threshold, Wo
   EXPECT_LE(drawn.largest, 1) << scene;
 }
 
+TEST(Draws, ContrastDrawsTheRadianceToItsMean) {
+  Random random(44);
+  Worst worst;
+  int dark = 0;
+  for (int k = 0; k < 400; ++k) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    aim(scene, random, 2.5);
+    scene.light_sine = random.log_uniform(1e-3, 0.2);
+    set_count(scene, random.log_uniform(0.1, 2e5));  // also where it fades with the distance
+    const double contrast = random.uniform(0, 1);
+    const auto full = scene.expect<double>();
+    if (!stays_below_ceiling(full)) continue;
+    scene.paint.sparkle_contrast = contrast;
+    const auto less = scene.expect<double>();
+    const auto draw = [&](const ExpectedSparkles<double>& expected) {
+      return draw_sparkles(expected, scene.paint.flake_area_spread, stream_key(0, 0, 0, 1), k, 2);
+    };
+    const auto all = draw(full), part = draw(less);
+    EXPECT_EQ(part.count, all.count) << scene;
+    const double mean = mean_radiance(full).y;
+    const double blended = mean + contrast * (all.radiance.y - mean);
+    worst.see(relative_error(part.radiance.y, blended), scene);
+    EXPECT_NEAR(radiance_variance(less).y, contrast * contrast * radiance_variance(full).y,
+                1e-12 * radiance_variance(full).y);
+    dark += all.count == 0 && part.radiance.y > 0 ? 1 : 0;
+
+    scene.paint.sparkle_contrast = 0;
+    const auto none = draw(scene.expect<double>());
+    EXPECT_EQ(none.count, std::floor(full.mean_count + 0.5));
+    EXPECT_EQ(none.radiance.y, mean);
+    EXPECT_EQ(radiance_variance(scene.expect<double>()).y, 0);
+  }
+  EXPECT_GT(dark, 10);
+  worst.expect_at_most(1e-10);
+}
+
 TEST(Draws, CountAndRadianceHaveTheirMeanAndVariance) {
   Random random(40);
   Worst worst;

@@ -100,7 +100,17 @@ def test_zip_is_named_by_version_and_platform_and_holds_no_trace_of_this_machine
             content = held[name].decode()
             assert str(ROOT) not in content, name
             assert "$" not in content or not name.endswith(".toml")
-        assert str(ROOT).encode() not in held["assets/metallic_paint.blend"]
+
+
+def test_asset_library_holds_no_trace_of_this_machine(own: Path, tmp_path: Path) -> None:
+    """Once uncompressed: the paint's bytecode would name its compiler's files."""
+    packed, plain = tmp_path / "packed.blend", tmp_path / "plain.blend"
+    packed.write_bytes(contents(own)["assets/metallic_paint.blend"])
+    bpy.ops.wm.open_mainfile(filepath=str(packed))
+    bpy.ops.wm.save_as_mainfile(filepath=str(plain), compress=False, copy=True)
+    content = plain.read_bytes()
+    assert b"OpenShadingLanguage 1.00" in content
+    assert str(ROOT).encode() not in content
 
 
 def test_foreign_zip_differs_by_platform_and_native_module_only(own: Path, foreign: Path) -> None:

@@ -248,7 +248,7 @@ def test_update_that_does_not_compile_leaves_the_paints_as_they_are(
     assert held() == before
     assert (node.node_tree, len(tree.links)) == (group, links)
     number = node.inputs.keys().index("Tilt")
-    [path] = {curve.data_path for curves in addon("migration")._curves(tree) for curve in curves}
+    [path] = {curve.data_path for curves in addon("animation").curves(tree) for curve in curves}
     assert path == f'nodes["{node.name}"].inputs[{number}].default_value'
 
 

@@ -18,18 +18,33 @@ def painted() -> bpy.types.Material:
     return bpy.context.object.active_material
 
 
-def test_apply_sets_the_paint_node_alone(addon: Addon, painted: bpy.types.Material) -> None:
+def test_apply_sets_the_paint_node_alone_and_tells_what_it_does_not_reach(
+    addon: Addon, painted: bpy.types.Material, capfd: pytest.CaptureFixture[str]
+) -> None:
     material, presets = addon("material"), addon("presets")
     tree = painted.node_tree
     other = tree.nodes.new("ShaderNodeBsdfPrincipled")
     noise = tree.nodes.new("ShaderNodeTexNoise")
     paint = material.paint_node(painted)
     tree.links.new(noise.outputs[0], paint.inputs["Tilt"])
+    tree.links.new(noise.outputs[0], paint.inputs["Normal"])  # which no preset has
+    paint.inputs["IOR"].driver_add("default_value")
+    paint.inputs["Substrate Color"].keyframe_insert("default_value", frame=1)
     for name in presets.names():
+        capfd.readouterr()
         assert bpy.ops.material.metallic_paint_apply_preset(preset=name) == {"FINISHED"}
+        said = capfd.readouterr().out
+        assert "not the preset's: Tilt, IOR, Substrate Color." in said
         assert material.paint_of(painted) == presets.load(name)
     assert paint.inputs["Tilt"].links[0].from_node == noise
     assert other.inputs["Roughness"].default_value == 0.5
+
+
+def test_apply_has_nothing_to_tell_of_plain_values(
+    painted: bpy.types.Material, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bpy.ops.material.metallic_paint_apply_preset(preset="lime")
+    assert "preset" not in capfd.readouterr().out
 
 
 def test_apply_takes_the_active_one_of_two_paints(
