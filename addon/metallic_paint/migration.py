@@ -172,5 +172,6 @@ def _remove_unused() -> None:
     for group in [each for each in bpy.data.node_groups if each.library is None]:
         if group.users == 0 and 0 < lights.version(group) < lights.VERSION:
             bpy.data.node_groups.remove(group)
-    material.node_group().name = material.NAME
+    group = material.node_group()
+    group.name, group.nodes[material.NAME].script.name = material.NAME, shader.FILE
     lights.node_group().name = lights.NAME

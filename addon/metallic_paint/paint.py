@@ -265,7 +265,8 @@ class Paint(Flakes):
     sparkle_contrast: float = _field(
         1.0, "SparkleContrast", "Sparkle Contrast", LIGHTS, 0, 1,
         "How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, "
-        "only their mean is left. The paint stays as bright", subtype="FACTOR",
+        "only their mean is left. With Composition exact, the paint stays as bright",
+        subtype="FACTOR",
     )
     seed: int = _field(
         0, "Seed", "Seed", SPARKLE, INT_MIN, INT_MAX, "Another number, another set of flakes",

@@ -85,9 +85,11 @@ def _apply(
     except (presets.PresetError, PaintError) as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    animated = {socket.name for _, socket, _ in animation.of_inputs(tree, node)}
-    labels = [parameter.label for parameter in PARAMETERS.values()]
-    kept = [label for label in labels if label in animated or node.inputs[label].is_linked]
+    given = {socket.name for curve, socket, _ in animation.of_inputs(tree, node) if not curve.mute}
+    given |= {
+        link.to_socket.name for link in tree.links if link.to_node == node and not link.is_muted
+    }
+    kept = [each.label for each in PARAMETERS.values() if each.label in given]
     if kept:
         operator.report({"WARNING"}, f"Linked or animated, not the preset's: {', '.join(kept)}.")
     return {"FINISHED"}

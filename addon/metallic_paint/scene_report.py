@@ -47,6 +47,7 @@ _MANY = 100.0  # sparkles a pixel whose sum deviates by a tenth or less
 _FEW = 1.0  # in the whole picture
 _SMALLEST, _LARGEST = 0.005, 100.0  # metres: sizes of what one paints
 _ICONS: dict[str, IconItems] = {INFO: "BLANK1", WARNING: "ERROR", ERROR: "CANCEL"}
+_CONTRAST = PARAMETERS["sparkle_contrast"].label
 _KEY = "metallic_paint_report"  # custom property of the window manager: not in the file
 
 
@@ -119,6 +120,8 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         sentence = f"Left out, being smaller in the picture: {left_out} more painted surfaces."
         lines.append((INFO, sentence))
     lines += _clamping(scene, brightest, len(fitted.lights.slots) + bool(fitted.other_light))
+    if not known or any(_sparkles(each.node) for each in known):
+        lines += _denoising(scene)
     return lines
 
 
@@ -137,9 +140,6 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
             and material.gpu(scene) in ("NONE", "OPTIX")
         )
         yield WARNING if shows else ERROR, missing
-    if scene.cycles.use_denoising and not denoise.is_set_up(scene):
-        label = denoise.SCENE_OT_metallic_paint_denoise.bl_label
-        yield WARNING, f"Denoising takes sparkles for noise: “{label}” keeps them."
 
 
 def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
@@ -158,6 +158,14 @@ def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterato
         )
     if indirect > 0 and brightest > indirect:
         yield INFO, f"Clamp Indirect {indirect:g} dims sparkles that are seen in other surfaces."
+
+
+def _denoising(scene: bpy.types.Scene) -> Iterator[Line]:
+    if scene.render.engine != "CYCLES":
+        return
+    if scene.cycles.use_denoising and not denoise.is_set_up(scene):
+        label = denoise.SCENE_OT_metallic_paint_denoise.bl_label
+        yield WARNING, f"Denoising takes sparkles for noise: “{label}” keeps them."
 
 
 # --- objects -----------------------------------------------------------------------------------
@@ -186,6 +194,11 @@ class _Surface:
         except PaintError as error:
             return ERROR, f"{self.label}: {error}"
         return None
+
+
+def _sparkles(node: bpy.types.ShaderNodeGroup) -> bool:
+    contrast = node.inputs[_CONTRAST]
+    return contrast.is_linked or contrast.default_value > 0
 
 
 def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:
@@ -244,9 +257,8 @@ def _about(
 
 def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> Iterator[Line]:
     held = f"{label}: {_number(expected.flakes)} flakes a pixel"
-    contrast = node.inputs[PARAMETERS["sparkle_contrast"].label]
-    if contrast.default_value == 0 and not contrast.is_linked:
-        yield INFO, f"{held}. With {contrast.name} 0 they show their mean, no sparkles."
+    if not _sparkles(node):
+        yield INFO, f"{held}. With {_CONTRAST} 0 they show their mean, no sparkles."
         return
     if expected.sparkles is None:
         yield INFO, f"{held}."

@@ -46,9 +46,9 @@ def core_missing() -> str:
     """Why the native module cannot be used, in a sentence; empty where it can."""
     try:
         import metallic_paint_core  # noqa: F401
-    except ModuleNotFoundError:
-        return "This build of the add-on has no native module for this Blender."
     except ImportError as error:
+        if error.name == "metallic_paint_core":
+            return "This build of the add-on has no native module for this Blender."
         return f"The native module metallic_paint_core cannot be loaded: {error}."
     return ""
 

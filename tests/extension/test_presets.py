@@ -29,6 +29,8 @@ def test_apply_sets_the_paint_node_alone_and_tells_what_it_does_not_reach(
     tree.links.new(noise.outputs[0], paint.inputs["Tilt"])
     tree.links.new(noise.outputs[0], paint.inputs["Normal"])  # which no preset has
     paint.inputs["IOR"].driver_add("default_value")
+    paint.inputs["Flake Spread"].driver_add("default_value").mute = True
+    tree.links.new(noise.outputs[0], paint.inputs["Flake Area Spread"]).is_muted = True
     paint.inputs["Substrate Color"].keyframe_insert("default_value", frame=1)
     for name in presets.names():
         capfd.readouterr()

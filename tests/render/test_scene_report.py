@@ -107,6 +107,17 @@ def test_a_paint_without_sparkles_is_foretold() -> None:
     assert "no sparkle is to be expected" in bad(scene)
 
 
+def test_a_paint_without_contrast_needs_no_sparkles() -> None:
+    scene = build()
+    node = material.paint_node(scene.objects["Ball"].active_material)
+    node.inputs["Flakes per mm²"].default_value = 1e-3
+    scene.cycles.use_denoising = True
+    assert "Denoising takes sparkles" in bad(scene)
+    node.inputs["Sparkle Contrast"].default_value = 0
+    assert bad(scene) == ""
+    assert "With Sparkle Contrast 0 they show their mean" in said(scene, "INFO")
+
+
 def test_clamping_that_cuts_is_named_with_its_value() -> None:
     scene = build()
     scene.cycles.sample_clamp_direct = 0.25
