@@ -155,7 +155,7 @@ SCENES = (
     Scene("so far that the mean takes over", (SUN,), shape="sphere", distance=1000, width=170,
           scale=(80, 80, 80), paint=dataclasses.replace(THREE, depth_model="thinned")),
     Scene("half the contrast, near and far", (SUN,), shape="sphere", distance=5, width=1,
-          scale=(0.5, 0.5, 0.5), paint=dataclasses.replace(THREE, sparkle_contrast=0.5)),
+          scale=(0.5, 0.5, 0.5), paint=dataclasses.replace(THREE, sparkle_contrast=0.5), seeds=4),
     Scene("no contrast", (SUN,), shape="sphere", distance=1, width=0.3, scale=(0.15, 0.15, 0.15),
           paint=dataclasses.replace(CANDY, sparkle_contrast=0)),
     Scene("the demo's car", (sun("Sun", 45, -60, 0.53),
