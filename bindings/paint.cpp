@@ -14,6 +14,7 @@
 
 namespace py = pybind11;
 using metallic_paint::CoatingTable;
+using metallic_paint::Composition;
 using metallic_paint::DepthModel;
 using metallic_paint::Diffraction;
 using metallic_paint::FlakeSpecies;
@@ -96,6 +97,12 @@ void bind_paint(py::module_& module) {
       .value("published", Radiometry::published)
       .finalize();
 
+  py::native_enum<Composition>(
+      module, "Composition", "enum.IntEnum",
+      R"doc(Sparkles add to the paint's other light, or a pixel takes the brighter of both.)doc")
+      .value("exact", Composition::exact)
+      .value("published", Composition::published)
+      .finalize();
   py::native_enum<Diffraction>(
       module, "Diffraction", "enum.IntEnum",
       R"doc(What a flake's edge adds to its spread: nothing, or the diffraction by a disc.)doc")
@@ -151,7 +158,13 @@ checked on construction, all fields again on use.)doc");
   def_field<&Paint::rayleigh_per_mm>(paint, "rayleigh_per_mm", kNumber);
   def_field<&Paint::depth_model>(paint, "depth_model", "DepthModel.attenuated or .thinned");
   def_field<&Paint::radiometry>(paint, "radiometry", "Radiometry.exact or .published");
+  def_field<&Paint::composition>(paint, "composition", "Composition.exact or .published");
   def_field<&Paint::sparkle_contrast>(paint, "sparkle_contrast", kNumber);
+  def_colour<&Paint::substrate_color>(paint, "substrate_color");
+  def_field<&Paint::texture_contrast>(paint, "texture_contrast", kNumber);
+  def_field<&Paint::coat_roughness>(paint, "coat_roughness", kNumber);
+  def_field<&Paint::orange_peel>(paint, "orange_peel", kNumber);
+  def_field<&Paint::orange_peel_mm>(paint, "orange_peel_mm", kNumber);
   def_field<&Paint::seed>(paint, "seed", kInt32);
   def_field<&Paint::frame>(paint, "frame", kInt32);
   def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");

@@ -76,7 +76,15 @@ void validate(const Paint& paint) {
   if (paint.radiometry != Radiometry::exact && paint.radiometry != Radiometry::published) {
     reject("radiometry", static_cast<double>(paint.radiometry), "0 (exact) or 1 (published)");
   }
+  if (paint.composition != Composition::exact && paint.composition != Composition::published) {
+    reject("composition", static_cast<double>(paint.composition), "0 (exact) or 1 (published)");
+  }
   require_range("sparkle_contrast", paint.sparkle_contrast, 0, 1);
+  require_colour("substrate_color", paint.substrate_color, 1);
+  require_range("texture_contrast", paint.texture_contrast, 0, 1);
+  require_range("coat_roughness", paint.coat_roughness, 0, 1);
+  require_range("orange_peel", paint.orange_peel, 0, 1, " rad");
+  require_range("orange_peel_mm", paint.orange_peel_mm, 1e-3, 1e6, " mm");
 }
 
 void validate(const Light<double>& light) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A metallic paint as artists and presets state it: real units in the names, checked once, here.
-// The parameters are those of osl/metallic_paint.osl but for what is given beside the flakes
-// (substrate, coat, texture, composition).
 #pragma once
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "composition.h"
 #include "sparkles.h"
 
 namespace metallic_paint {
@@ -48,7 +47,13 @@ struct Paint : FlakeSpecies {
   double rayleigh_per_mm = 0;                     // c1, 0 to 1e6 1/mm
   DepthModel depth_model = DepthModel::attenuated;
   Radiometry radiometry = Radiometry::exact;
+  Composition composition = Composition::exact;
   double sparkle_contrast = 1;  // share of the sparkles' fluctuation about their mean, 0 to 1
+  Rgb<double> substrate_color{0.02, 0.02, 0.02};  // diffuse reflectance under the flakes, 0 to 1
+  double texture_contrast = 0;  // relative deviation of the mixture seen over 1 mm2, 0 to 1
+  double coat_roughness = 0;    // of the binder's surface, the root of GGX's alpha, 0 to 1
+  double orange_peel = 0;       // slope (rms) of the waves in the binder's surface, 0 to 1 rad
+  double orange_peel_mm = 3;    // wavelength of these waves, 1e-3 to 1e6 mm
   int seed = 0;
   int frame = 0;
 

@@ -348,11 +348,6 @@ def shader_value(parameter: Parameter, value: float | str | Color) -> float | in
     return parameter.choices.index(value) if isinstance(value, str) else value
 
 
-# Fields that are no part of the core's Paint: what the core takes beside it.
-_BESIDE = ("substrate_color", "coat_roughness", "orange_peel", "orange_peel_mm",
-           "texture_contrast", "composition")  # fmt: skip
-
-
 def core_paint(paint: Paint, frame: int = 0) -> metallic_paint_core.Paint:
     """The paint as the core takes it."""
     import metallic_paint_core as core
@@ -364,8 +359,7 @@ def core_paint(paint: Paint, frame: int = 0) -> metallic_paint_core.Paint:
         return known
 
     all_fields = fields(paint)
-    for name in _BESIDE:
-        del all_fields[name]
+    all_fields["composition"] = core.Composition[paint.composition]
     all_fields["diffraction"] = core.Diffraction[paint.diffraction]
     all_fields["depth_model"] = core.DepthModel[paint.depth_model]
     all_fields["radiometry"] = core.Radiometry[paint.radiometry]

@@ -7,6 +7,7 @@ ValueError with a sentence that names the field, the value and the range. The mo
 
 from ._native import (
     CoatingTable,
+    Composition,
     DepthModel,
     Diffraction,
     FlakeSpecies,
@@ -33,6 +34,7 @@ from ._native import (
 
 __all__ = [
     "CoatingTable",
+    "Composition",
     "DepthModel",
     "Diffraction",
     "FlakeSpecies",

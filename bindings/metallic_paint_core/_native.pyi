@@ -23,6 +23,10 @@ class Radiometry(IntEnum):
     exact = 0
     published = 1
 
+class Composition(IntEnum):
+    exact = 0
+    published = 1
+
 Colour = tuple[float, float, float]
 
 class Diffraction(IntEnum):
@@ -53,7 +57,13 @@ class Paint(FlakeSpecies):
     rayleigh_per_mm: float  # 0 to 1e6 1/mm
     depth_model: DepthModel
     radiometry: Radiometry
+    composition: Composition
     sparkle_contrast: float  # share of the sparkles' fluctuation about their mean, 0 to 1
+    substrate_color: Colour  # diffuse reflectance under the flakes, 0 to 1
+    texture_contrast: float  # relative deviation of the mixture seen over 1 mm2, 0 to 1
+    coat_roughness: float  # of the binder's surface, the root of GGX's alpha, 0 to 1
+    orange_peel: float  # slope (rms) of the waves in the binder's surface, 0 to 1 rad
+    orange_peel_mm: float  # wavelength of these waves, 1e-3 to 1e6 mm
     seed: int
     frame: int
 

@@ -188,7 +188,7 @@ def fields_of(kind: type) -> list[str]:
 def test_every_field_takes_its_own_value() -> None:
     paint = core.Paint()
     assert len(fields_of(core.FlakeSpecies)) == 11
-    assert len(fields_of(core.Paint)) == 22
+    assert len(fields_of(core.Paint)) == 28
     again = core.Paint(**{name: getattr(paint, name) for name in fields_of(core.Paint)})
     for name in fields_of(core.Paint):
         if name == "more":

@@ -85,6 +85,18 @@ const Field kFields[] = {
      [](Paint& p) -> double& { return p.rayleigh_per_mm; }},
     {"sparkle_contrast", 0, 1, "from 0 to 1",
      [](Paint& p) -> double& { return p.sparkle_contrast; }},
+    {"substrate_color.r", 0, 1, "from 0 to 1",
+     [](Paint& p) -> double& { return p.substrate_color.x; }},
+    {"substrate_color.g", 0, 1, "from 0 to 1",
+     [](Paint& p) -> double& { return p.substrate_color.y; }},
+    {"substrate_color.b", 0, 1, "from 0 to 1",
+     [](Paint& p) -> double& { return p.substrate_color.z; }},
+    {"texture_contrast", 0, 1, "from 0 to 1",
+     [](Paint& p) -> double& { return p.texture_contrast; }},
+    {"coat_roughness", 0, 1, "from 0 to 1", [](Paint& p) -> double& { return p.coat_roughness; }},
+    {"orange_peel", 0, 1, "from 0 to 1 rad", [](Paint& p) -> double& { return p.orange_peel; }},
+    {"orange_peel_mm", 1e-3, 1e6, "from 0.001 to 1000000 mm",
+     [](Paint& p) -> double& { return p.orange_peel_mm; }},
 };
 
 // A paint that any single field may take to its limit: black flakes reflect and transmit nothing.
@@ -138,6 +150,9 @@ TEST(Paint, UnknownChoicesAreRefused) {
     paint = Paint{};
     paint.radiometry = static_cast<Radiometry>(value);
     expect_names(complaint(paint), {"radiometry is " + digits(value), "0 (exact)"});
+    paint = Paint{};
+    paint.composition = static_cast<Composition>(value);
+    expect_names(complaint(paint), {"composition is " + digits(value), "0 (exact)"});
   }
 }
 
