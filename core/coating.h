@@ -49,13 +49,13 @@ enum class CoatingKind {
 inline constexpr int kCoatingKinds = 15;
 inline constexpr double kMostCoatingNm = 200;
 
-// tools/coatings.py --library: rows of kCoatingNodes colours over the angle; a row of reflectances
-// for each metal, then kCoatingRows of them, 5 nm apart, for each pearl; at last the transmittances
-// of Fe2O3 on mica and on silica likewise. Titania, mica and silica absorb nothing, so there t = 1
-// - r; nothing passes a metal. Four digits: the model's data, the same for every T. Between its
-// rows and nodes a value errs by up to 0.05 at alpha below 45 degrees (metals 3e-4, pearls on mica
-// 0.04), beyond by up to 0.25 on mica and 0.56 on silica, whose orders turn over quickly there
-// (tests/bindings/test_coatings.py).
+// tools/coatings/table.py --library: rows of kCoatingNodes colours over the angle; a row of
+// reflectances for each metal, then kCoatingRows of them, 5 nm apart, for each pearl; at last the
+// transmittances of Fe2O3 on mica and on silica likewise. Titania, mica and silica absorb nothing,
+// so there t = 1 - r; nothing passes a metal. Four digits: the model's data, the same for every T.
+// Between its rows and nodes a value errs by up to 0.05 at alpha below 45 degrees (metals 3e-4,
+// pearls on mica 0.04), beyond by up to 0.25 on mica and 0.56 on silica, whose orders turn over
+// quickly there (tests/python/test_coatings.py).
 inline constexpr int kCoatingNodes = 13;
 inline constexpr int kCoatingRows = 41;
 inline constexpr double kCoatingLibrary[] = {

@@ -13,10 +13,9 @@ from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
-import checks
-import environments
-import extension
-from processes import (
+from checks import form
+from common import environments
+from common.processes import (
     BUILD,
     LOGS,
     ROOT,
@@ -29,6 +28,7 @@ from processes import (
     say,
     tail,
 )
+from extension import build as extension
 
 GROUP_SECONDS = 1800
 FUZZ_RUNS = 60_000  # about 15 s
@@ -70,7 +70,7 @@ class Group:
 
 def check_groups() -> Iterator[Group]:
     environments.prepare_tool(environments.TOOLS)
-    for name, command in checks.commands().items():
+    for name, command in form.commands().items():
         yield Group(f"check {name}", lambda name=name, command=command: _check(name, command))
     yield Group("check types", _check_types)
     yield Group("check licence lines", _check_licences)
@@ -82,7 +82,7 @@ def _check(name: str, command: Sequence[str | Path]) -> Outcome:
 
 def _check_types() -> Outcome:
     environments.prepare_tool(environments.TYPES)
-    return _check("types", checks.types())
+    return _check("types", form.types())
 
 
 def _run_whole(command: Sequence[str | Path], log: Path) -> Outcome:
@@ -93,7 +93,7 @@ def _run_whole(command: Sequence[str | Path], log: Path) -> Outcome:
 
 
 def _check_licences() -> Outcome:
-    complaints = checks.without_licence_line()
+    complaints = form.without_licence_line()
     return Outcome(failed=1, report=complaints) if complaints else Outcome(passed=1)
 
 
@@ -142,8 +142,8 @@ def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
     """One process for each file and Blender: bpy holds one scene, and a crash takes all of it."""
     zipped = _Extension(blenders)
     rooms = (
-        ("bindings", _pytest, blenders),
-        ("render", _pytest, blenders),
+        ("python", _pytest, blenders),
+        ("blender", _pytest, blenders),
         ("extension", zipped.test, (*blenders, environments.BLENDER_BETWEEN)),
     )
     for room, test, used in rooms:

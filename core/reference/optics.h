@@ -64,10 +64,10 @@ inline Rgb<double> absorption_depth(const Paint& paint) {
   return paint.binder_absorption_per_mm * (paint.layer_thickness_um * 1e-3);
 }
 
-// The library's numbers (core/coating_library.inc, laid out as tools/coatings.py writes them), read
-// by the cosines of their nodes: a row of 13 colours for each of 8 metals, 41 rows 5 nm apart for
-// each of 6 pearls, and the transmittances of Fe2O3 on mica and silica. kind and nm: as in
-// CoatingKind, not 0; kind is that of the reflectances, or 15 and 16 for these transmittances.
+// The library's numbers (core/coating_library.inc, laid out as tools/coatings/table.py writes
+// them), read by the cosines of their nodes: a row of 13 colours for each of 8 metals, 41 rows 5 nm
+// apart for each of 6 pearls, and the transmittances of Fe2O3 on mica and silica. kind and nm: as
+// in CoatingKind, not 0; kind is that of the reflectances, or 15 and 16 for these transmittances.
 inline Rgb<double> library_colour(int kind, double nm, double cos_alpha) {
   constexpr int nodes = 13, rows = 41, metals = 8;
   static const std::vector<double> numbers{

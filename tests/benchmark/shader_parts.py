@@ -28,17 +28,18 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "addon")]
 
-import blender_env
+from common import blender_env  # noqa: E402
 
 blender_env.prepare()
 
-import bars  # noqa: E402
 import bpy  # noqa: E402
-import verify_scenes  # noqa: E402
+from common import bars  # noqa: E402
 from metallic_paint import lights, material, shader, verify  # noqa: E402
 from metallic_paint.paint import Paint  # noqa: E402
+from verification import scenes  # noqa: E402
 
 SAMPLES = 32  # of two threads: one thread leaves another spinning
 LIMIT = 1.03
@@ -135,9 +136,9 @@ class Bench:
     def __init__(self, size: int, lit: bool = True) -> None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         self.scene = bpy.context.scene
-        lamps = (verify_scenes.SUN,) if lit else ()
-        spec = verify_scenes.Scene("bench", lamps, orthographic=True, width=0.2)
-        self.plane = verify_scenes.build(self.scene, spec, size)
+        lamps = (scenes.SUN,) if lit else ()
+        spec = scenes.Scene("bench", lamps, orthographic=True, width=0.2)
+        self.plane = scenes.build(self.scene, spec, size)
         verify.make_noiseless(self.scene)
         self.scene.render.threads_mode, self.scene.render.threads = "FIXED", 2
         self.samples = SAMPLES * size * size

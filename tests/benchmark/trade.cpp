@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What each choice costs and how far it is from the exact one: trade FOLDER [--quick]. Writes
-// measurements.json and the pictures (raw floats) that tools/accuracy_report.py makes a report of.
+// measurements.json and the pictures (raw floats) that tools/accuracy/report.py makes a report of.
 #include <cstring>
 #include <ctime>
 #include <exception>

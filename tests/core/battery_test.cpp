@@ -3,7 +3,8 @@
 // The hash under the named tests of random number generators (Marsaglia's, Knuth's), and the
 // picture that it makes: its spectrum, its neighbours up to 8 pixels, lights, species, frames,
 // seeds and draws away. Level 1e-3 for each test as a whole (Sidak's correction within), fixed
-// keys. A longer battery by hand, on their used bits in the same order (tools/hash_stream.cpp):
+// keys. A longer battery by hand, on their used bits in the same order
+// (tools/verification/hash_stream.cpp):
 //   build/hash_stream | dieharder -g 200 -a
 #include <algorithm>
 #include <array>

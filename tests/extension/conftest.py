@@ -8,6 +8,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from blender_session import *  # noqa: F403
+
+# isort: split
 import addon_utils
 import bpy
 import pytest

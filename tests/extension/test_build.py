@@ -24,7 +24,7 @@ FOREIGN = "windows-x64"
 
 
 def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, ROOT / "tools" / "extension.py", *arguments]
+    command = [sys.executable, ROOT / "tools", "extension.build", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 

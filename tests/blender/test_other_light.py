@@ -1,0 +1,418 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The paint under sun, world and area light: renders against quadrature of the core's values."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import sys
+
+import bpy
+import metallic_paint_core as core
+import numpy as np
+import pytest
+from metallic_paint import needs, verify
+from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint
+from verification import scenes
+
+SAMPLES = 160
+SIZE = 32
+
+
+def scene_with(paint: Paint, size: int = SIZE, **changes: object) -> verify.Probe:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    seen = {"lamps": (), "orthographic": True, **changes}
+    spec = scenes.Scene("other light", paint=paint, **seen)
+    item = scenes.build(bpy.context.scene, spec, size)
+    probe = verify.Probe(bpy.context.scene, [item.active_material])
+    cycles = probe.scene.cycles
+    cycles.samples, cycles.max_bounces = SAMPLES, 1
+    # Blue noise in the pixels would make their mean surer than its standard error says.
+    cycles.sampling_pattern = "TABULATED_SOBOL"
+    return probe
+
+
+def add_world(radiance: float) -> bpy.types.World:
+    world = bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = radiance
+    bpy.context.scene.world = world
+    return world
+
+
+def add_sun(name: str, towards: np.ndarray) -> bpy.types.Object:
+    """Of half a degree, as an artist adds it: a mirror meets it too."""
+    x, y, z = towards
+    elevation, azimuth = math.degrees(math.asin(z)), math.degrees(math.atan2(y, x))
+    sun = scenes.sun(name, elevation, azimuth, 0.53)(bpy.context.scene)
+    sun.data.cycles.use_multiple_importance_sampling = True
+    bpy.context.view_layer.update()
+    return sun
+
+
+def add_area_light(towards: np.ndarray, size: float) -> bpy.types.Object:
+    """A square lamp 1.5 away, facing the origin."""
+    data = bpy.data.lights.new("Area", "AREA")
+    data.size, data.energy = size, 100
+    item = bpy.data.objects.new("Area", data)
+    item.location = 1.5 * towards
+    item.rotation_euler = item.location.to_track_quat("Z", "Y").to_euler()
+    bpy.context.scene.collection.objects.link(item)
+    bpy.context.view_layer.update()
+    return item
+
+
+def view_of(probe: verify.Probe) -> np.ndarray:
+    """Towards the orthographic camera: the same at every point."""
+    bpy.context.view_layer.update()
+    view = np.array(probe.scene.camera.matrix_world)[:3, 2].astype(float)
+    return view / np.linalg.norm(view)
+
+
+def half_sphere(n: int) -> np.ndarray:
+    """n² directions about +z, (n², 3), each of the same share of cos dω."""
+    cosine = np.sqrt((np.arange(n) + 0.5) / n)[:, None]
+    phi = 2 * np.pi * (np.arange(n) + 0.5) / n
+    sine = np.sqrt(1 - cosine**2)
+    return np.stack(
+        [sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(cosine, (n, n))], axis=-1
+    ).reshape(-1, 3)
+
+
+def flake_brdf(paint: Paint, view: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """(n, 3), for lights (n, 3) above the surface."""
+    normal = np.broadcast_to([0.0, 0.0, 1.0], light.shape)
+    return core.flake_brdf(core_paint(paint), normal, np.broadcast_to(view, light.shape), light)
+
+
+def albedo(paint: Paint, view: np.ndarray) -> np.ndarray:
+    """Of the flakes alone: their RGB radiance under a world of radiance 1. To 3e-4."""
+    return np.pi * flake_brdf(paint, view, half_sphere(200)).mean(axis=0)
+
+
+def mean_of(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and its standard error, RGB, of a picture filled by one plane."""
+    flat = image.reshape(-1, 3).astype(float)
+    return flat.mean(axis=0), flat.std(axis=0) / math.sqrt(len(flat))
+
+
+def expect_equal(
+    image: np.ndarray,
+    expected: np.ndarray,
+    relative: float = 0.01,
+    bias: float | np.ndarray = 0.0,
+) -> None:
+    """Within 4 standard errors besides a bias, and within that part of it."""
+    mean, error = mean_of(image)
+    off = np.abs(mean - expected)
+    assert (off <= 4 * error + bias).all(), (mean, error, expected)
+    assert (off <= relative * expected).all(), (mean, error, expected)
+
+
+def random_flakes(random: np.random.Generator) -> dict[str, object]:
+    return {
+        "flakes_per_mm2": float(np.exp(random.uniform(np.log(300), np.log(10_000)))),
+        "flake_diameter_um": float(random.uniform(5, 30)),
+        "orientation": ("gaussian", "beckmann", "ggx")[random.integers(3)],
+        "tilt": float(np.exp(random.uniform(np.log(0.05), np.log(0.5)))),
+        "flake_color": tuple(random.uniform(0.4, 0.95, 3)),
+        "flake_edge_color": (0.95, 0.95, 0.95),
+        "coating": COATINGS[max(random.integers(-5, len(COATINGS)), 0)],
+        "coating_nm": float(random.uniform(20, 150)),
+    }
+
+
+def random_paint(k: int) -> Paint:
+    """One to three species; metals, pearls and colours; more and less that absorbs."""
+    random = np.random.default_rng(k)
+    more = [Flakes(**random_flakes(random)) for _ in range(k % 3)]
+    second, third = [*more, NO_FLAKES, NO_FLAKES][:2]
+    return Paint(
+        **random_flakes(random),
+        second=second,
+        third=third,
+        binder_ior=float(random.uniform(1.3, 1.8)),
+        layer_thickness_um=float(random.uniform(10, 60)),
+        binder_absorption_per_mm=tuple(random.uniform(0, 10, 3)),
+        rayleigh_per_mm=float(max(random.uniform(-0.5, 0.5), 0)),
+        substrate_color=tuple(random.uniform(0, 0.9, 3)),
+        seed=int(random.integers(1000)),
+    )
+
+
+PAINTS = [random_paint(k) for k in range(20)]
+ELEVATIONS = [float(np.random.default_rng(100 + k).uniform(20, 90)) for k in range(20)]
+
+
+# --- what the core expects ---------------------------------------------------------------------
+
+
+class GlossyLobe:
+    """GGX microfacets (Walter 2007, Smith's G of both directions) scaled to reflect all."""
+
+    def __init__(self, view: np.ndarray, alpha: float) -> None:
+        self.view, self.square = view, alpha**2
+        # Over half vectors of equal shares of cos(theta_h) D dω.
+        n, azimuths = 1000, 200
+        u = (np.arange(n) + 0.5)[:, None] / n
+        phi = 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
+        cos_half = 1 / np.sqrt(1 + self.square * u / (1 - u))
+        sin_view = math.sqrt(1 - view[2] ** 2)
+        facing = cos_half * view[2] + np.sqrt(1 - cos_half**2) * sin_view * np.cos(phi)
+        cos_light = 2 * facing * cos_half - view[2]
+        seen = (facing > 0) & (cos_light > 0)
+        shared = facing / cos_half * self._visible(np.where(seen, cos_light, 1))
+        self.albedo = (seen * shared).mean() / view[2]
+
+    def _visible(self, cos_light: np.ndarray) -> np.ndarray:
+        def shadowing(cosine: np.ndarray) -> np.ndarray:
+            return (np.sqrt(1 + self.square * (1 / cosine**2 - 1)) - 1) / 2
+
+        return 1 / (1 + shadowing(self.view[2]) + shadowing(cos_light))
+
+    def __call__(self, light: np.ndarray) -> np.ndarray:
+        """f cos(theta'), (n, 1)."""
+        half = light + self.view
+        cos2_half = half[:, 2] ** 2 / (half**2).sum(axis=1)
+        density = self.square / np.pi / (cos2_half * (self.square - 1) + 1) ** 2
+        f = density * self._visible(light[:, 2]) / (4 * self.view[2]) / self.albedo
+        return f[:, None]
+
+
+@dataclasses.dataclass
+class Expected:
+    """The mean radiance of a paint under single lights, RGB."""
+
+    paint: Paint
+    view: np.ndarray
+
+    def __post_init__(self) -> None:
+        self.core = core_paint(self.paint)
+        cosine = self.view[2]
+        self.mirror = 1 - float(core.fresnel_transmittance(cosine, self.paint.binder_ior))
+        self.mixture = core.mixture(self.core, self.paint.substrate_color, cosine)
+        self.lobe = GlossyLobe(self.view, float(self.mixture["alpha"]))
+
+    def scattered(self, light: np.ndarray) -> np.ndarray:
+        """f cos(theta') of the diffuse and the glossy lobe, (n, 3)."""
+        diffuse = self.mixture["diffuse"] * light[:, 2:] / np.pi
+        return diffuse + self.mixture["glossy"] * self.lobe(light)
+
+    def world(self, radiance: float) -> np.ndarray:
+        mixture = self.mixture["diffuse"] + self.mixture["glossy"]
+        return radiance * (self.mirror + albedo(self.paint, self.view) + mixture)
+
+    def sparkles(self, sun: bpy.types.Object, pixel_m2: float) -> tuple[np.ndarray, np.ndarray]:
+        """Mean and standard deviation of a pixel that shows so much surface."""
+        size = math.sin(sun.data.angle / 2)
+        found = core.evaluate(
+            self.core,
+            [core.Light(core.LightKind.parallel, towards(sun), size)],
+            position=np.zeros((1, 3)),
+            normal=np.array([[0.0, 0.0, 1.0]]),
+            view=self.view[None],
+            footprint=np.array([pixel_m2]),
+            pixel=np.zeros((1, 2), dtype=np.int32),
+        )
+        mean, deviation = found["mean_radiance"][0, 0], np.sqrt(found["variance"][0, 0])
+        return sun.data.energy * mean, sun.data.energy * deviation
+
+    def sun(self, sun: bpy.types.Object, pixel_m2: float) -> np.ndarray:
+        """Where the coat does not mirror it."""
+        scattered = self.scattered(towards(sun)[None])[0]
+        return self.sparkles(sun, pixel_m2)[0] + sun.data.energy * scattered
+
+    def lamp(self, lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+        """Of a square lamp, and the part of it that the flakes show."""
+        light, share = points_of(lamp)
+        # A Lambertian emitter of that power.
+        radiance = lamp.data.energy / (np.pi * lamp.data.size**2)
+        flakes = flake_brdf(self.paint, self.view, light) * light[:, 2:]
+        flakes, scattered = (radiance * share @ f for f in (flakes, self.scattered(light)))
+        mirrored = radiance * self.mirror * (meets(lamp, self.view * [-1, -1, 1]) > 0)
+        return flakes + scattered + mirrored, flakes
+
+
+def towards(lamp: bpy.types.Object) -> np.ndarray:
+    """The unit vector against a lamp's beam."""
+    axis = np.array(lamp.matrix_world)[:3, 2].astype(float)
+    return axis / np.linalg.norm(axis)
+
+
+def points_of(lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (n, 3) from the origin to points of a square lamp, and their solid angles (n,)."""
+    n = 150
+    matrix = np.array(lamp.matrix_world).astype(float)
+    side = lamp.data.size * ((np.arange(n) + 0.5) / n - 0.5)
+    x, y = (s.ravel()[:, None] for s in np.meshgrid(side, side))
+    points = matrix[:3, 3] + x * matrix[:3, 0] + y * matrix[:3, 1]
+    distance = np.linalg.norm(points, axis=1)
+    light = points / distance[:, None]
+    share = (lamp.data.size / n) ** 2 * (light @ towards(lamp)) / distance**2
+    above = light[:, 2] > 0
+    return light[above], share[above]
+
+
+def meets(lamp: bpy.types.Object, light: np.ndarray) -> float:
+    """How far inside its edge a direction from the origin meets a square lamp; outside, below 0."""
+    matrix = np.array(lamp.matrix_world).astype(float)
+    centre, axes = matrix[:3, 3], matrix[:3, :3]
+    facing = float(light @ axes[:, 2])
+    if facing <= 0:
+        return -math.inf
+    at = light * (centre @ axes[:, 2] / facing) - centre
+    return lamp.data.size / 2 - float(np.abs(at @ axes[:, :2]).max())
+
+
+# --- the whole paint ---------------------------------------------------------------------------
+
+PIXELS, WIDTH = 96, 0.01
+# Relative, of the means under the sun and the lamp. Under the world it is some 0.1 %.
+SUN_ERROR, LAMP_ERROR = 0.002, 0.003
+MOST_SAMPLES = 64
+# Of the flakes' part under a lamp that has a size, as osl/flake_lobe.h states it.
+CONE_BIAS = 0.007
+
+
+def mirrored(
+    paint: Paint, view: np.ndarray, tilt: float, random: np.random.Generator
+) -> np.ndarray | None:
+    """Where a flake of that tilt to any side sends the view, if it comes out."""
+    eta, azimuth = paint.binder_ior, random.uniform(0, 2 * np.pi)
+    flake = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
+    inside = view / eta
+    inside[2] = np.sqrt(1 - inside[0] ** 2 - inside[1] ** 2)
+    out = eta * (2 * (flake @ inside) * flake - inside)
+    square = 1 - out[0] ** 2 - out[1] ** 2
+    return np.array([out[0], out[1], np.sqrt(square)]) if out[2] > 0 < square else None
+
+
+def add_lights(
+    paint: Paint, view: np.ndarray, random: np.random.Generator
+) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A sun, and beside it a square lamp, where flakes mirror them."""
+    while True:
+        lit = mirrored(paint, view, paint.tilt * random.uniform(0, 1), random)
+        beside = mirrored(paint, view, max(paint.tilt * random.uniform(0.5, 1.5), 0.03), random)
+        if lit is None or beside is None or min(lit[2], beside[2]) < 0.2:
+            continue
+        # About as large as what the flakes mirror: of a small one in their tail few samples know.
+        half = np.clip(2 * paint.binder_ior * paint.tilt * random.uniform(0.5, 1.5), 0.1, 0.8)
+        lamp = add_area_light(lit, 3 * math.tan(half))
+        at_all = abs(meets(lamp, view * [-1, -1, 1])) > 2 * WIDTH  # all pixels mirror it, or none
+        if at_all and meets(lamp, beside) < -0.1:
+            return add_sun("Sun", beside), lamp
+        bpy.data.objects.remove(lamp)
+
+
+def samples_for(probe: verify.Probe, error: float) -> int:
+    """How many leave such a relative standard error, by a picture of 8."""
+    probe.scene.cycles.samples = 8
+    mean, found = mean_of(verify.render(probe.scene))
+    return int(np.clip(8 * (found / mean / error).max() ** 2, 8, MOST_SAMPLES))
+
+
+# The second Blender has the same shader: a few paints show that it runs it alike.
+@pytest.mark.parametrize("k", range(0, len(PAINTS), 1 if sys.version_info[:2] == (3, 11) else 4))
+def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> None:
+    paint = PAINTS[k]
+    probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
+    scene, view = probe.scene, view_of(probe)
+    scene.render.use_persistent_data = True  # compiles for other lights only
+    sun, lamp = add_lights(paint, view, np.random.default_rng(200 + k))
+    world = add_world(0.5)
+    expected = Expected(paint, view)
+
+    # The scene's scale makes the pixels so large that they hold sparkles enough.
+    mm2 = 1e-6
+    deviation = expected.sparkles(sun, mm2)[1] / expected.sun(sun, mm2)
+    pixel_m2 = mm2 * (deviation.max() / PIXELS / SUN_ERROR) ** 2
+    scene.unit_settings.scale_length = math.sqrt(pixel_m2 * view[2]) / (WIDTH / PIXELS)
+
+    def light(*lit: bpy.types.ID) -> None:
+        """These lights alone, and the paint fitted to them."""
+        for item in (sun, lamp):
+            if item.name in scene.collection.objects:
+                scene.collection.objects.unlink(item)
+            if item in lit:
+                scene.collection.objects.link(item)
+        scene.world = world if world in lit else None
+        needs.fit(scene)
+
+    def shown(samples: int) -> np.ndarray:
+        scene.cycles.samples = samples
+        return verify.render(scene)
+
+    light(lamp)
+    samples = samples_for(probe, LAMP_ERROR)
+    by_lamp = shown(samples)
+    light(world)
+    by_world = shown(8)
+    light(sun, world, lamp)
+    joint = shown(samples)
+    light(sun)
+    by_sun = shown(4)
+
+    of_sun, of_world = expected.sun(sun, pixel_m2), expected.world(0.5)
+    of_lamp, by_flakes = expected.lamp(lamp)
+    bias = CONE_BIAS * by_flakes
+    expect_equal(by_sun, of_sun)
+    expect_equal(by_world, of_world)
+    expect_equal(by_lamp, of_lamp, bias=bias)
+    expect_equal(joint, of_sun + of_world + of_lamp, bias=bias)
+    rest, error = mean_of(joint - by_sun - by_world - by_lamp)
+    assert (np.abs(rest) <= 4 * error).all(), (rest, error)
+    for picture in (by_sun, by_world, by_lamp, joint):
+        mean, error = mean_of(picture)
+        assert (error < 0.005 * mean).all(), "noise hides nothing"
+
+
+# --- its parts ---------------------------------------------------------------------------------
+
+
+# The third shows almost nothing of its flakes beside the rest.
+@pytest.mark.parametrize("k", [3, 11, 19])
+def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> None:
+    probe = scene_with(PAINTS[k], elevation=ELEVATIONS[k])
+    add_world(1.0)
+    expect_equal(probe.image(verify.LOBE), albedo(PAINTS[k], view_of(probe)))
+
+
+@pytest.mark.parametrize("k", range(2, len(PAINTS), 4))
+def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
+    paint = PAINTS[k]
+    probe = scene_with(paint, elevation=ELEVATIONS[k])
+    expected = core.mixture(core_paint(paint), paint.substrate_color, view_of(probe)[2])
+    probe.scene.cycles.samples = 1
+    inner = {"diffuse": verify.DIFFUSE, "glossy": verify.GLOSSY, "alpha": verify.ROUGHNESS}
+    for name, diagnostic in inner.items():
+        shown = probe.image(diagnostic).reshape(-1, 3)
+        wanted = np.broadcast_to(expected[name], shown.shape)
+        # Rounding in float, which core/mixture.h's test holds to 2e-5, and of the view.
+        np.testing.assert_allclose(shown, wanted, rtol=0, atol=1e-4)
+
+
+def test_no_listed_light_is_seen_in_the_lobe() -> None:
+    lamps = (
+        scenes.sun("Sun", 60, 110, 5.0),
+        scenes.lamp("Point", "POINT", (0.5, 0.4, 0.9), 0.2),
+    )
+    probe = scene_with(Paint(), lamps=lamps)
+    for lamp in bpy.data.lights:
+        lamp.cycles.use_multiple_importance_sampling = True
+    assert probe.image(verify.SPARKLES).max() > 0
+    assert probe.image(verify.LOBE).max() == 0
+
+
+def test_a_light_beyond_the_slots_lights_the_mean() -> None:
+    paint = Paint(tilt=0.3)
+    probe = scene_with(paint, elevation=60)
+    probe.scene.cycles.samples = 1024  # most of the cones miss so small a light
+    view = view_of(probe)
+    # No lights.fill: it stays out of the slots.
+    sun = add_sun("Unlisted", np.array([0.0, -math.cos(1.22), math.sin(1.22)]))
+    light = towards(sun)
+    f = flake_brdf(paint, view, light[None])[0]
+    expect_equal(probe.image(verify.LOBE), f * light[2] * sun.data.energy, relative=0.05)

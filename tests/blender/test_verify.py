@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every scene of ./paint verify in small: the shader finds the core's counts and radiances.
+
+The full sizes, with the statistics of the sparkles, are ./paint verify's.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import bpy
+import numpy as np
+import pytest
+from metallic_paint import lights, verify
+from metallic_paint.paint import core_paint
+from verification import hashes, scenes
+
+SIZE = 48
+
+
+@pytest.mark.parametrize("spec", scenes.SCENES, ids=lambda spec: spec.name)
+def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
+    scene = bpy.context.scene
+    item = scenes.build(scene, spec, SIZE)
+    probe = verify.Probe(scene, [item.active_material])
+    geometry, slots = probe.geometry(), verify.core_lights()
+    paint = core_paint(spec.paint)
+    in_use = [i for i, f in enumerate(spec.paint.species) if f.flakes_per_mm2 > 0]
+    predicted = [verify.predict(paint, slots, geometry, "float", i) for i in in_use]
+    lamp = lights.fill(scene).slots[0]
+    assert geometry.hit.mean() > 0.1
+    comparison = verify.compare(
+        paint,
+        geometry,
+        predicted,
+        light=0,
+        leader=0,
+        counts=[probe.image(verify.COUNT, 0, i)[..., 0] for i in in_use],
+        cone=probe.image(verify.CONE)[..., 0],
+        picture=probe.lit_by([lamp], verify.SPARKLES),
+        irradiance=probe.lit_by([lamp], verify.IRRADIANCE),
+    )
+    assert comparison.same_count == comparison.pixels
+    assert comparison.radiance_error.size > 0
+    assert comparison.radiance_error.max() < 1e-2
+
+
+def test_a_wrong_prediction_is_found_out() -> None:
+    spec = scenes.SCENES[0]
+    scene = bpy.context.scene
+    item = scenes.build(scene, spec, SIZE)
+    probe = verify.Probe(scene, [item.active_material])
+    geometry, slots = probe.geometry(), verify.core_lights()
+    paint = core_paint(dataclasses.replace(spec.paint, seed=spec.paint.seed + 1))
+    predicted = verify.predict(paint, slots, geometry, "float")
+    empty = np.zeros((SIZE, SIZE, 3), np.float32)
+    count = probe.image(verify.COUNT)[..., 0]
+    comparison = verify.compare(
+        paint, geometry, [predicted], 0, 0, [count], empty[..., 0], empty, empty
+    )
+    assert comparison.unexplained > 10
+
+
+def test_the_hash_has_the_same_bits() -> None:
+    assert hashes.check("test").holds

@@ -1,0 +1,427 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes the report of ./paint accuracy from the measurements of tests/benchmark/trade."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+from common import bars
+from common.processes import say
+from common.report_folder import ACCURACY, REPORT, table
+
+from accuracy import plots
+from accuracy.results import EXACT, NOT_JUDGED, TOGETHER, Choice, Results, Traced
+
+NEARLY_AS_BRIGHT = 0.1  # what the eye hardly tells from one picture to the next
+SCREEN_STEP = 1 / 255  # of an 8-bit picture
+NUMBER_TYPE, ORIENTATION = "number type", "orientation P(β)"
+# What the numbers alone do not say.
+NOTES = {
+    NUMBER_TYPE: "The shader computes in float and has no other; this is for callers of the C++.",
+    ORIENTATION: "Tables are the paper's way, with P at the centre of the cone of normals; "
+    "for callers of the C++, the shader carries none.",
+    "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form, or 12 points in "
+    "float; only flakes seen from their backs (scene “wide”) need the points.",
+    "⟨s⟩ − ⟨t⟩ of a tabulated coating": "In C++ only, so in double; the time is for pictures of a "
+    "million pixels, most of it the making of the table.",
+    "count": "All of them take one hash; the closed forms bound the work.",
+    "radiometry": "“Published” is the paper to the letter: not another price but another mean.",
+    "depth": "Which of the two is right is not a matter of this table: see the traced flakes.",
+    "flake spread ε": "A number of the paint, no approximation: shown for what it does.",
+    TOGETHER: "What ships against everything exact; the draws' noise is in the distribution.",
+}
+
+
+def number(value: float) -> str:
+    if value == 0:
+        return "0"
+    if value < EXACT:
+        return "< 6e-8"
+    return f"{value:.2g}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def times(ratio: float) -> str:
+    if ratio >= 1.5:
+        return f"× {ratio:.1f}" if ratio < 20 else f"× {ratio:,.0f}"
+    return f"{round(100 * (ratio - 1)):+d} %".replace("-", "−")
+
+
+def percent(part: float) -> str:
+    return f"{part:.0%}".replace("%", " %")
+
+
+def verdict(choice: Choice) -> str:
+    if choice.dominated_by:
+        return f"dominated by {choice.dominated_by}"
+    return "front"
+
+
+def trade_of(choice: Choice) -> str:
+    """A choice on the front beside what ships."""
+    error = "no error" if choice.error <= EXACT else f"error {number(choice.error)} σ"
+    return f"{choice.name} ({times(choice.time)} time, {error})"
+
+
+def sentence(results: Results, group: str) -> str:
+    """What ships in a group, and what there is besides."""
+    choices, shipped = results.of(group), results.shipped(group)
+    error = f" (error {number(shipped.error)} σ)" if shipped.error > EXACT else ""
+    text = f"**{group}**: ships *{shipped.name}*{error}, "
+    if shipped.dominated_by:
+        text += f"**dominated by {shipped.dominated_by}**."
+    else:
+        text += "on the front."
+    front = [c for c in choices if not c.dominated_by and not c.shipped]
+    faster = [c for c in front if c.time < shipped.time]
+    finer = [c for c in front if c not in faster]
+    dominated = [c.name for c in choices if c.dominated_by and not c.shipped]
+    for what, some in (("Faster", faster), ("Finer", finer)):
+        if some:
+            text += f" {what}: {'; '.join(trade_of(c) for c in some)}."
+    if dominated:
+        text += f" Dominated: {', '.join(dominated)}."
+    return text
+
+
+def judged(results: Results) -> list[str]:
+    return [group for group in results.groups if group not in NOT_JUDGED]
+
+
+def worst_flip(results: Results, choice: Choice) -> str:
+    scene = max(choice.flip, key=choice.flip.__getitem__)
+    text = number(choice.flip[scene])
+    if choice.numbers != "same":
+        text += f" ({number(results.floor_flip[scene][choice.numbers])})"
+    return text
+
+
+def depth_cases(results: Results) -> tuple[int, list[float]]:
+    """In how many cases attenuated's fluctuation is the nearer, and the models' means over the
+    traced ones.
+    """
+    cases = results.data["explicit"]
+
+    def off(case: dict, model: str) -> float:
+        fluctuations = (case[m]["square"] / case[m]["mean"] ** 2 for m in (model, "traced"))
+        return abs(next(fluctuations) - next(fluctuations))
+
+    nearer = sum(off(case, "attenuated") <= off(case, "thinned") for case in cases)
+    return nearer, [case["attenuated"]["mean"] / case["traced"]["mean"] for case in cases]
+
+
+def explicit_time(results: Results) -> float:
+    """Of a pixel of the nearest scene with each flake traced, of what ships."""
+    scene = results.data["traced"]["scene"]
+    return results.traced.nanoseconds / results.shipped(TOGETHER).nanoseconds[scene]
+
+
+def in_short(results: Results) -> Iterator[str]:
+    shipped = results.shipped(TOGETHER)
+    exact = next(c for c in results.of(TOGETHER) if c.exact)
+    worst = max(results.scenes, key=lambda s: shipped.flip[s] / results.floor_flip[s]["own"])
+    dominated = [group for group in judged(results) if results.shipped(group).dominated_by]
+    yield "## In short"
+    yield ""
+    if dominated:
+        yield f"- **What ships is off the front in: {', '.join(dominated)}.**"
+    else:
+        yield (
+            "- Leave everything as it ships: no other choice is both as fast and as exact (but for "
+            "the number type, which the shader fixes)."
+        )
+    low, high = (f(shipped.nanoseconds.values()) for f in (min, max))
+    share = shipped.flip[worst] / results.floor_flip[worst]["own"]
+    yield (
+        f"- What ships draws a pixel in {low:.0f} to {high:.0f} ns on one core, {exact.time:.1f} "
+        f"times as fast as everything exact in double. Its pictures' FLIP from the exact ones is "
+        f"at most {number(max(shipped.flip.values()))}: at most {share:.0%} of that between two "
+        f"exact pictures of different seeds (scene “{worst}”)."
+    )
+    for group in [*judged(results), NUMBER_TYPE]:
+        note = f" {NOTES[group]}" if group in NOTES else ""
+        if group == ORIENTATION and "lamp" in results.scenes:
+            note += f" {centre_under_the_lamp(results)}"
+        yield f"- {sentence(results, group)}{note}"
+    nearer, means = depth_cases(results)
+    cases = results.data["explicit"]
+    apart = [case["distance"] for case in cases]
+    thinner = sum(d["thinned"] + d["floor"] < d["attenuated"] for d in apart)
+    least = cases[means.index(min(means))]
+    yield (
+        "- Against flakes traced one by one, each hiding others, the fluctuation of “attenuated” "
+        f"is nearer than that of “thinned” in {nearer} of {len(means)} cases. As whole laws "
+        f"(Wasserstein) they are as far off as their common mean: {thinner} of the cases have "
+        "“thinned” nearer by more than the noise. The mean that both "
+        f"share is {min(means):.0%} to {max(means):.0%} of the traced one, least at "
+        f"{least['varied']} {least['value']:g}: what hides a flake from the observer often hides "
+        "it from the light as well, where the closed forms take both for independent."
+    )
+    yield f"- {brightness_advice(results)}"
+    traced, far = results.traced, results.scenes["far"]
+    others, apart, own = (flip for flip, _ in traced.compared.values())
+    yield (
+        f"- Tracing every flake, the far end, takes {explicit_time(results):,.0f} times as long "
+        f"near ({1e-6 * traced.nanoseconds:.1f} ms a pixel); far, a pixel has "
+        f"{far['flakes']:,.0f} flakes. Its picture is {brighter(traced)} brighter; "
+        f"its FLIP from what ships is {number(apart)}, between two seeds {number(others)} (of "
+        f"what ships: {number(own)})."
+    )
+    yield ""
+
+
+def centre_under_the_lamp(results: Results) -> str:
+    finest = results.of(ORIENTATION)[-1]
+    sun = max(e["distribution"] for scene, e in finest.errors.items() if scene != "lamp")
+    lamp = finest.errors["lamp"]
+    return (
+        f"P {finest.name}, errs {number(sun)} σ at most under the sun; under “lamp”, as wide as "
+        f"the tilt, {number(lamp['distribution'])} σ and {lamp['mean']:.1%} of the mean, in "
+        f"{times(finest.ratios['lamp'])} time."
+    )
+
+
+def brighter(traced: Traced) -> str:
+    return f"{100 * (traced.brightness - 1):.0f} ± {percent(traced.brightness_error)}"
+
+
+def brightness_advice(results: Results) -> str:
+    """How much brighter traced flakes are than the closed forms, and where it does not matter."""
+    excess: dict[str, dict[float, float]] = {}
+    for case in results.data["explicit"]:
+        ratio = case["traced"]["mean"] / case["attenuated"]["mean"]
+        excess.setdefault(case["varied"], {})[case["value"]] = ratio - 1
+    coverage, angle, size = excess.values()
+    densest, steep, grazing = max(coverage), min(angle), max(angle)
+    least_cover, least_size = (
+        max((v for v, more in of.items() if more <= NEARLY_AS_BRIGHT), default=0)
+        for of in (coverage, size)
+    )
+    return (
+        f"**Brightness**: dense layers of large flakes are up to {percent(coverage[densest])} "
+        f"brighter than the model when light and observer are near the paint's normal (coverage "
+        f"{densest:g}, 20°); at coverage 0.5 {percent(angle[steep])} at {steep:g}° to the "
+        f"normal and {percent(angle[grazing])} at {grazing:g}°, {percent(size[max(size)])} for "
+        f"flakes {max(size):g} times as wide as the layer is thick. The model is within "
+        f"{percent(NEARLY_AS_BRIGHT)} up to coverage {least_cover:g}, or with flakes of at most "
+        f"{least_size:g} of the layer's thickness. Where the absolute brightness of a denser "
+        "paint matters, scale its light by what `explicit_flakes` finds: more flakes cannot make "
+        "up for it, as the model's mean saturates."
+    )
+
+
+def scene_table(results: Results) -> Iterator[str]:
+    shipped = results.shipped(TOGETHER)
+    rows = []
+    for name, scene in results.scenes.items():
+        flip = results.floor_flip[name]
+        rows.append([
+            name, f"{1e3 * scene['pixel']:g} mm", f"{scene['tilt']:g}",
+            f"{scene['sparkles']:,.3g}", f"{scene['flakes']:,.3g}",
+            f"{shipped.nanoseconds[name]:.0f}", number(shipped.flip[name]), number(flip["counts"]),
+            number(flip["own"]),
+        ])  # fmt: skip
+    yield from table(
+        ["scene", "pixel", "tilt", "sparkles ⟨N⟩ in the brightest pixel", "its flakes",
+         "ns a pixel, shipped", "FLIP shipped : exact", "FLIP exact : other sums",
+         "FLIP exact : other seed"],
+        rows,
+    )  # fmt: skip
+
+
+def choice_tables(results: Results) -> Iterator[str]:
+    for group in results.groups:
+        yield f"### {group[0].upper()}{group[1:]}"
+        yield ""
+        if group in NOTES:
+            yield f"{NOTES[group]}"
+            yield ""
+        rows = []
+        for c in results.of(group):
+            name = f"**{c.name}**" if c.shipped else c.name
+            rows.append([
+                name, times(c.time),
+                " / ".join(f"{ns:,.0f}" for ns in c.nanoseconds.values()),
+                *(number(c.worst(error)) for error in ("count", "mean", "deviation")),
+                number(c.error), worst_flip(results, c),
+                number(max(c.rmse.values())), "" if group in NOT_JUDGED[1:] else verdict(c),
+            ])  # fmt: skip
+        scenes = " / ".join(results.scenes)
+        yield from table(
+            ["choice", "time", f"ns {scenes}", "count", "mean", "deviation", "distribution",
+             "FLIP", "RMSE", ""],
+            rows,
+        )  # fmt: skip
+
+
+def depth_table(results: Results) -> Iterator[str]:
+    rows = []
+    for case in results.data["explicit"]:
+        fluctuation = [
+            f"{case[m]['square'] / case[m]['mean'] ** 2:.3f}"
+            for m in ("traced", "attenuated", "thinned")
+        ]
+        distance = [number(case["distance"][m]) for m in ("attenuated", "thinned", "floor")]
+        rows.append([
+            f"{case['varied']} {case['value']:g}", f"{case['count']:.3f}",
+            f"{case['traced']['mean']:.3f} ± {case['deviation_of_mean']:.3f}",
+            f"{case['attenuated']['mean']:.3f}", *fluctuation, *distance,
+        ])  # fmt: skip
+    yield from table(
+        ["varied", "count, traced : model", "E[s] traced", "E[s] models", "E[s²]/E[s]² traced",
+         "attenuated", "thinned", "distance attenuated", "thinned", "noise"],
+        rows,
+    )  # fmt: skip
+
+
+def traced_tables(results: Results) -> Iterator[str]:
+    data, traced = results.data["traced"], results.traced
+    yield (
+        f"The scene “{data['scene']}” at {data['size']} × {data['size']} pixels, every flake of "
+        f"every pixel a disc among discs: {traced.nanoseconds:,.0f} ns a pixel, "
+        f"{explicit_time(results):,.0f} times what ships takes. Its flakes are "
+        f"{brighter(traced)} brighter in the mean. Two pictures:"
+    )
+    yield ""
+    rows = [[name, number(a), number(b)] for name, (a, b) in traced.compared.items()]
+    yield from table(["pictures", "FLIP", "RMSE"], rows)
+    yield (
+        f"The law of a pixel, over {data['draws']} draws of each of {data['judged']} pixels, as "
+        "in the tables below, but with traced flakes for the exact choice; the last line is noise. "
+        "A flake that spreads part of the light to the observer counts as one when traced, which "
+        "is why the counts differ:"
+    )
+    yield ""
+    rows = [
+        [
+            f"**{choice.name}**" if choice.shipped else choice.name, f"{ns:,.0f}",
+            *(number(e) for e in errors.values()),
+        ]
+        for choice, ns, errors in traced.choices
+    ]  # fmt: skip
+    noise = [number(e) for e in data["floor"].values()]
+    rows.append(["every flake traced, other seed", f"{traced.nanoseconds:,.0f}", *noise])
+    yield from table(["choice", "ns", "count", "mean", "deviation", "distribution"], rows)
+
+
+def report(results: Results) -> Iterator[str]:
+    yield ACCURACY.mark
+    yield ""
+    yield "# Speed against accuracy"
+    yield ""
+    yield "`./paint accuracy` measured and wrote this page. Every line changes one thing of what "
+    yield "ships and nothing else; bold is what ships."
+    yield ""
+    yield from in_short(results)
+    yield "## The choices"
+    yield ""
+    yield "![Error against time for each choice](choices.png)"
+    yield ""
+    yield "![The exact picture, others, and their FLIP maps](pictures.png)"
+    yield ""
+    yield from scene_table(results)
+    yield "![Errors of the counts and of the sums](draws.png)"
+    yield ""
+    yield "## The depth models against traced flakes"
+    yield ""
+    yield (
+        "Flakes are discs that hide one another; s is what the layer leaves of a sparkle. One "
+        "thing is varied at a time about coverage 0.5, 20° and flakes of 20 µm in 30 µm of paint; "
+        "three sparkles a pixel, under a light of 0.1 rad that makes them many. What sticks out of "
+        "the layer is seen freely."
+    )
+    yield ""
+    yield "![Mean and fluctuation of the share](depth.png)"
+    yield ""
+    yield from depth_table(results)
+    yield "## The model against a picture of traced flakes"
+    yield ""
+    yield from traced_tables(results)
+    yield "## Every number"
+    yield ""
+    yield from choice_tables(results)
+    yield "## How it is measured"
+    yield ""
+    scene = next(iter(results.scenes.values()))
+    yield from (
+        "Painted balls under the sun (“lamp”: under a light of 0.06 rad, as wide as the tilt), "
+        f"{results.size} × {results.size} pixels, exact footprints.",
+        "",
+        "- *time*: processor time of one thread from geometry to radiance, without ray tracing. "
+        "All choices in turn, in random order; the median of the rounds' ratios to what ships, the "
+        "geometric mean over the scenes. Tables are made once for a million pixels. Times within "
+        f"{results.tolerance:.1%} count as equal: the same draws by code compiled apart differ as "
+        "much.",
+        f"- *count, mean, deviation*: relative errors over {scene['draws']} draws of each of "
+        f"{scene['judged']} pixels, from few to many sparkles; root mean square over the pixels, "
+        "worst scene.",
+        "- *distribution*: Wasserstein's distance of the radiance's law from the exact choice's, "
+        "in standard deviations σ; for sums, at the count where it is greatest.",
+        "- *FLIP, RMSE*: of the picture, worst scene; FLIP in sRGB at 67 pixels per degree, RMSE "
+        "in linear light over the picture's mean.",
+        "- Choices share the random numbers of their group's exact one, so these are errors and "
+        "no noise. Where they cannot (another sum, std::poisson_distribution, another mean count) "
+        "noise is in them, and the FLIP of two exact pictures stands beside in brackets.",
+        "- *Dominated*: another choice is as fast, as exact in every scene (a sum: at every "
+        "count), and better in one of them.",
+    )
+
+
+def make_bars(results: Results) -> list[bars.Bar]:
+    found = []
+    for group in judged(results):
+        shipped = results.shipped(group)
+        found.append(
+            bars.at_most(f"accuracy, {group}: choices that dominate what ships",
+                         float(shipped.dominated_by is not None), 0)
+        )  # fmt: skip
+    together = results.shipped(TOGETHER)
+    for name, scene in results.scenes.items():
+        flip = together.flip[name] / results.floor_flip[name]["own"]
+        distance = together.errors[name]["distribution"] / scene["floor"]["own"]["distribution"]
+        of = "of that between two seeds"
+        found += [
+            bars.at_most(f"accuracy, {name}: FLIP of what ships from everything exact, {of}",
+                         flip, 1),
+            bars.at_most(f"accuracy, {name}: Wasserstein distance likewise, {of}", distance, 1),
+        ]  # fmt: skip
+    single = results.shipped(NUMBER_TYPE)
+    nearer, means = depth_cases(results)
+    return [
+        *found,
+        bars.at_most("accuracy, number type: RMSE of float, of the picture's mean",
+                     max(single.rmse.values()), SCREEN_STEP),
+        bars.at_least("accuracy, traced flakes: share of cases in which attenuated is nearer",
+                      nearer / len(means), 0.5),
+    ]  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--measurements", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--json", type=Path)
+    arguments = parser.parse_args()
+
+    say("Comparing the pictures…")
+    results = Results(arguments.measurements)
+    with ACCURACY.fill(arguments.out) as folder:
+        say("Drawing the plots…")
+        plots.draw_all(results, folder)
+        text = "\n".join(report(results)).rstrip() + "\n"
+        (folder / REPORT).write_text(text)
+    found = make_bars(results)
+    if arguments.json:
+        bars.write(found, arguments.json)
+    for line in in_short(results):
+        say(line)
+    for bar in found:
+        if not bar.holds:
+            say(str(bar))
+    say(f"The report is {arguments.out / REPORT}.")
+    return 0 if all(bar.holds for bar in found) else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what each choice of the model costs and errs, and writes a report of it."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from pathlib import Path
+
+from common import environments
+from common.processes import (
+    BUILD,
+    ROOT,
+    TOOLS,
+    StepFailedError,
+    describe,
+    run_limited,
+    run_program,
+    run_step,
+)
+from common.report_folder import ACCURACY, check_file
+
+SECONDS = 1800
+PROGRAM = BUILD / "tests" / "tests" / "benchmark" / "trade"
+MEASUREMENTS = BUILD / "accuracy"
+
+
+def build() -> None:
+    """In the folder of the core's tests, configured alike: what is compiled there serves both."""
+    folder = BUILD / "tests"
+    options = ["-DMETALLIC_PAINT_WERROR=ON", "-DMETALLIC_PAINT_SANITIZE="]
+    run_step(
+        "Configuring the measurement",
+        ["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options],
+        "configure-accuracy.log",
+    )
+    run_step(
+        "Building the measurement",
+        ["cmake", "--build", folder, "--target", "trade"],
+        "build-accuracy.log",
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="paint accuracy", description=__doc__)
+    parser.add_argument(
+        "--out", type=Path, default=ROOT / "out" / "accuracy", metavar="DIR",
+        help="folder for README.md and its pictures (out/accuracy)",
+    )  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the bars to FILE too")
+    parser.add_argument("--quick", action="store_true", help="smaller pictures and samples")
+    arguments = parser.parse_args()
+
+    ACCURACY.check(arguments.out)
+    if arguments.json:
+        check_file(arguments.json, arguments.out)
+    environments.prepare_tool(environments.ACCURACY)
+    with environments.alone():
+        build()
+        shutil.rmtree(MEASUREMENTS, ignore_errors=True)
+        MEASUREMENTS.mkdir(parents=True)
+        _run("The measurement", [PROGRAM, MEASUREMENTS, *["--quick"] * arguments.quick], {0})
+        report = [environments.ACCURACY.python, TOOLS, "accuracy.report"]
+        report += ["--measurements", MEASUREMENTS, "--out", arguments.out]
+        if arguments.json:
+            report += ["--json", arguments.json]
+        return _run("The report", report, {0, 1})
+
+
+def _run(what: str, command: list[str | Path], good: set[int]) -> int:
+    code = run_limited(command, seconds=SECONDS)
+    if code not in good:
+        raise StepFailedError(f"{what} failed ({describe(code)}); nothing was written.")
+    return code
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Form and types of the sources."""

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes what of the extension is rendered: swatches of the presets, and an asset library of them.
+
+In the folder: swatches/PRESET.jpg, assets/metallic_paint.blend, assets/blender_assets.cats.txt.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from common import blender_env
+
+blender_env.prepare()
+
+import bpy  # noqa: E402
+import numpy as np  # noqa: E402
+from metallic_paint import material, operators, presets  # noqa: E402
+from pictures import gallery_scenes as scenes  # noqa: E402
+from pictures import render_scene  # noqa: E402
+
+PIXELS = 128
+SAMPLES = 32
+CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
+CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
+
+
+def render_swatches(folder: Path) -> None:
+    folder.mkdir(parents=True)
+    scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
+    ball = scenes.small_swatch(scene)
+    painted = material.create(render_scene.load_paint(presets.names()[0]))
+    material.assign(ball, painted)
+    painted.pass_index = render_scene.PAINT_INDEX
+    for name in presets.names():
+        material.apply(painted, render_scene.load_paint(name))
+        render_scene.take(scene)
+        settings = scene.render.image_settings
+        if hasattr(settings, "media_type"):  # Blender 5
+            settings.media_type = "IMAGE"
+        settings.file_format, settings.quality, settings.color_mode = "JPEG", 92, "RGB"
+        bpy.data.images["Render Result"].save_render(str(folder / f"{name}.jpg"), scene=scene)
+        render_scene.say(f"  {name}")
+
+
+def write_library(folder: Path, swatches: Path) -> None:
+    """In a file of their own: the paints know no light of the swatches."""
+    folder.mkdir(parents=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    paints = set()
+    for name in presets.names():
+        content = json.loads((presets.FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+        painted = material.create(presets.load(name), operators.title(name))
+        painted.asset_mark()
+        painted.asset_data.catalog_id = CATALOG
+        painted.asset_data.description = content["description"]
+        _set_preview(painted, swatches / f"{name}.jpg")
+        paints.add(painted)
+    file = folder / "metallic_paint.blend"
+    bpy.data.libraries.write(str(file), paints, fake_user=True, compress=True)
+    (folder / "blender_assets.cats.txt").write_text(CATALOGS, encoding="utf-8")
+
+
+def _set_preview(painted: bpy.types.Material, file: Path) -> None:
+    picture = bpy.data.images.load(str(file))
+    pixels = np.empty(4 * PIXELS * PIXELS, dtype=np.float32)
+    picture.pixels.foreach_get(pixels)
+    preview = painted.preview_ensure()
+    preview.image_size = (PIXELS, PIXELS)
+    preview.image_pixels_float.foreach_set(pixels)
+    bpy.data.images.remove(picture)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
+    out = parser.parse_args().out
+    with render_scene.quiet():
+        render_swatches(out / "swatches")
+        write_library(out / "assets", out / "swatches")
+
+
+if __name__ == "__main__":
+    render_scene.run(main)

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renders one picture of ./paint gallery, of one or more shots side by side, to a JPEG."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from common import blender_env
+
+blender_env.prepare()
+
+import bpy  # noqa: E402
+import numpy as np  # noqa: E402
+import OpenImageIO  # noqa: E402
+from mathutils import Vector  # noqa: E402
+from metallic_paint import material  # noqa: E402
+
+from pictures import gallery_scenes as scenes  # noqa: E402
+from pictures import render_scene  # noqa: E402
+from pictures.render_scene import RenderError, say  # noqa: E402
+
+QUICK_SAMPLES = 4
+MOST_BYTES = {"swatches": 490_000}  # a picture of the repository is small
+OTHERWISE_MOST = 290_000
+
+
+class Studio:
+    """How large and how well the shots are taken."""
+
+    def __init__(self, quick: bool, names: Sequence[str]) -> None:
+        self.quick = quick
+        self.names = names
+
+    def scene(self, width: int, height: int, samples: int, exposure: float = 0) -> bpy.types.Scene:
+        if self.quick:
+            width, height, samples = width // 2, height // 2, QUICK_SAMPLES
+        return scenes.empty_scene(width, height, samples, exposure)
+
+    def shoot(self, scene: bpy.types.Scene, what: str) -> np.ndarray:
+        """The picture (h, w, 3) of 8 bits."""
+        start = time.monotonic()
+        render_scene.take(scene)
+        file = Path(bpy.app.tempdir) / "shot.png"
+        render_scene.save(scene, file)
+        say(f"  {what}, {time.monotonic() - start:.0f} s")
+        return OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.UINT8)[..., :3]
+
+
+# ---- The pictures: each a list of rows of shots ----
+
+
+def swatches(studio: Studio) -> list[list[np.ndarray]]:
+    scene = studio.scene(280, 210, 36)
+    things = scenes.swatch(scene)
+    render_scene.paint_objects(things, render_scene.load_paint(studio.names[0]))
+    label = scenes.add_label(scene, "")
+    shots = []
+    for name in studio.names:
+        material.apply(things[0].data.materials[0], render_scene.load_paint(name))
+        label.data.body = name
+        shots.append(studio.shoot(scene, name))
+    columns = 6 if len(shots) > 12 else min(len(shots), 4)
+    shots += [np.zeros_like(shots[0])] * (-len(shots) % columns)
+    return [shots[i : i + columns] for i in range(0, len(shots), columns)]
+
+
+TOWARDS_SUN = (0.62, -0.95, 1.1)
+
+
+def car(
+    studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None], samples: int = 48
+) -> list[list[np.ndarray]]:
+    scene = studio.scene(800, 450, samples)
+    body = scenes.car(scene)
+    render_scene.paint_objects([body], render_scene.load_paint(preset))
+    light(scene)
+    return [[studio.shoot(scene, preset)]]
+
+
+def sun(scene: bpy.types.Scene) -> None:
+    scenes.add_floor(scene, 400, 0.12)
+    scenes.add_sun(scene, TOWARDS_SUN, 4.5)
+    scenes.set_world(scene, 0)
+
+
+def sky(scene: bpy.types.Scene) -> None:
+    scenes.add_floor(scene, 400, 0.16)
+    scenes.add_sun(scene, TOWARDS_SUN, 2.6, (1, 0.93, 0.84))
+    scenes.set_sky(scene, TOWARDS_SUN, 0.12)
+
+
+def surroundings(scene: bpy.types.Scene) -> None:
+    scenes.add_floor(scene, 400, 0.12)
+    scenes.set_studio_light(scene, "forest", 0.85, 120)
+
+
+def softboxes(scene: bpy.types.Scene) -> None:
+    scenes.add_floor(scene, 400, 0.10, roughness=0.3)
+    scenes.set_world(scene, 0.03)
+    # Large: the fewer of a flake's mirror directions meet a lamp, the more the picture is noise.
+    scenes.add_softbox(scene, (0, 0, 4.0), (0, 0, 0.7), (7.0, 3.5), 2.0)
+    scenes.add_softbox(scene, (6.0, -1.0, 2.0), (0.8, 0, 0.6), (3.0, 3.0), 2.0)
+    scenes.add_softbox(scene, (-2.5, -6.5, 2.4), (-0.6, 0, 0.6), (6.0, 2.4), 1.8)
+
+
+def macro(studio: Studio) -> list[list[np.ndarray]]:
+    shown = [
+        ("silver-coarse", 12), ("green-purple", 12), ("glass-flake-black", 40), ("bass-boat", 60)
+    ]  # fmt: skip
+    shots = []
+    for preset, mm in shown[:2] if studio.quick else shown:
+        scene = studio.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
+        ball = scenes.close_up(scene, mm * 1e-3)
+        render_scene.paint_objects([ball], render_scene.load_paint(preset))
+        scenes.add_label(scene, f"{preset}, {mm} mm")
+        shots.append(studio.shoot(scene, preset))
+    return [shots]
+
+
+def distance(studio: Studio) -> list[list[np.ndarray]]:
+    preset, enlarged = "silver-coarse", 8
+    scene = studio.scene(400, 300, 48)
+    body = scenes.car(scene)
+    render_scene.paint_objects([body], render_scene.load_paint(preset))
+    sky(scene)
+    scene.render.use_persistent_data = True  # the paint stays compiled
+    away = Vector((0.78, -0.95, 0.42)).normalized()
+    target = scenes.seen_point(scene, Vector((0.5, -0.4, 0.7)), away)
+    shots = []
+    for metres in (1, 10, 100):
+        camera = scenes.add_camera(scene, target + metres * away, target, 0.45 * metres)  # one lens
+        shot = studio.shoot(scene, f"{preset}, {metres} m")
+        shots.append(_middle(shot, enlarged if metres == 100 else 1))
+        bpy.data.objects.remove(camera)
+    return [shots]
+
+
+def _middle(shot: np.ndarray, scale: int) -> np.ndarray:
+    """The middle of the shot, each of its pixels `scale` pixels wide."""
+    if scale == 1:
+        return shot
+    h, w = shot.shape[:2]
+    top, left = h * (scale - 1) // (2 * scale), w * (scale - 1) // (2 * scale)
+    part = shot[top : top + -(-h // scale), left : left + -(-w // scale)]
+    return part.repeat(scale, axis=0).repeat(scale, axis=1)[:h, :w]
+
+
+PICTURES: dict[str, Callable[[Studio], list[list[np.ndarray]]]] = {
+    "swatches": swatches,
+    "car-sun": lambda studio: car(studio, "candy-red", sun),
+    "car-sky": lambda studio: car(studio, "silver-coarse", sky),
+    "car-surroundings": lambda studio: car(studio, "green-purple", surroundings),
+    "car-studio": lambda studio: car(studio, "deep-blue", softboxes, 128),
+    "macro": macro,
+    "distance": distance,
+}
+
+
+def write(picture: np.ndarray, file: Path, most: int) -> None:
+    """As good as the bytes allow; sparkles keep their colour (no chroma subsampling)."""
+    for quality in range(95, 30, -5):
+        image = OpenImageIO.ImageBuf(np.ascontiguousarray(picture))
+        image.specmod().attribute("compression", f"jpeg:{quality}")
+        image.specmod().attribute("jpeg:subsampling", "4:4:4")
+        if not image.write(str(file), OpenImageIO.UINT8):
+            raise RenderError(f"{file} cannot be written: {image.geterror()}")
+        if file.stat().st_size <= most:
+            return
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("picture", choices=PICTURES)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--presets", nargs="+", required=True)
+    parser.add_argument("--quick", action="store_true")
+    arguments = parser.parse_args()
+    with render_scene.quiet():
+        rows = PICTURES[arguments.picture](Studio(arguments.quick, arguments.presets))
+        picture = np.concatenate([np.concatenate(row, axis=1) for row in rows])
+        write(picture, arguments.out, MOST_BYTES.get(arguments.picture, OTHERWISE_MOST))
+
+
+if __name__ == "__main__":
+    render_scene.run(main)
