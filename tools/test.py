@@ -34,6 +34,9 @@ GROUP_SECONDS = 1800
 FUZZ_RUNS = 60_000  # about 15 s
 NO_TEST_COLLECTED = 5  # pytest's exit code
 CORE_SHARDS = 2
+# What only ./paint test --all runs: GoogleTests by their names, pytest's by their mark.
+LONG_GOOGLETESTS = "-Long*:*.Long*:*/Long*"
+NOT_LONG = "not long"
 AT_ONCE = 2  # Blenders; most of a test's time is one thread compiling the shader
 # GoogleTests in as many processes as result files: `sh -c RUN_SHARDS tests results...`. One process
 # group, so that a time limit or Ctrl-C ends them all.
@@ -97,17 +100,17 @@ def _check_licences() -> Outcome:
     return Outcome(failed=1, report=complaints) if complaints else Outcome(passed=1)
 
 
-def core_group(folder: Path, sanitizers: str) -> Group:
+def core_group(folder: Path, sanitizers: str, everything: bool) -> Group:
     name = "core, sanitized" if sanitizers else "core"
-    return Group(name, lambda: _test_core(folder, sanitizers))
+    return Group(name, lambda: _test_core(folder, sanitizers, everything))
 
 
-def _test_core(folder: Path, sanitizers: str) -> Outcome:
+def _test_core(folder: Path, sanitizers: str, everything: bool) -> Outcome:
     with environments.alone():
-        return _build_and_test_core(folder, sanitizers)
+        return _build_and_test_core(folder, sanitizers, everything)
 
 
-def _build_and_test_core(folder: Path, sanitizers: str) -> Outcome:
+def _build_and_test_core(folder: Path, sanitizers: str, everything: bool) -> Outcome:
     say("Building the core's tests…")
     options = ["-DMETALLIC_PAINT_WERROR=ON", f"-DMETALLIC_PAINT_SANITIZE={sanitizers}"]
     try:
@@ -121,7 +124,8 @@ def _build_and_test_core(folder: Path, sanitizers: str) -> Outcome:
         return Outcome(failed=1, report=[str(error)])
     tests = folder / "tests" / "core" / "core_tests"
     results = [folder / f"results-{shard}.xml" for shard in range(CORE_SHARDS)]
-    command = ["sh", "-c", RUN_SHARDS, tests, *results]
+    chosen = "*" if everything else LONG_GOOGLETESTS
+    command = ["env", f"GTEST_FILTER={chosen}", "sh", "-c", RUN_SHARDS, tests, *results]
     return _run_tests(command, results, f"test-{folder.name}")
 
 
@@ -138,12 +142,13 @@ def _fuzz(file: Path) -> Outcome:
     return _run_whole(command, LOGS / f"{file.stem.replace('_', '-')}.log")
 
 
-def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
+def blender_groups(blenders: Sequence[environments.Blender], everything: bool) -> Iterator[Group]:
     """One process for each file and Blender: bpy holds one scene, and a crash takes all of it."""
-    zipped = _Extension(blenders)
+    zipped = _Extension(blenders, everything)
+    by_pytest = partial(_pytest, everything)
     rooms = (
-        ("python", _pytest, blenders),
-        ("blender", _pytest, blenders),
+        ("python", by_pytest, blenders),
+        ("blender", by_pytest, blenders),
         ("extension", zipped.test, (*blenders, environments.BLENDER_BETWEEN)),
     )
     for room, test, used in rooms:
@@ -156,8 +161,8 @@ def blender_groups(blenders: Sequence[environments.Blender]) -> Iterator[Group]:
 class _Extension:
     """The zip that tests/extension installs, built when the first of them needs it."""
 
-    def __init__(self, blenders: Sequence[environments.Blender]) -> None:
-        self._blenders = blenders
+    def __init__(self, blenders: Sequence[environments.Blender], everything: bool) -> None:
+        self._blenders, self._everything = blenders, everything
         self._lock = threading.Lock()
         self._problem: str | None = None  # empty: it is built
 
@@ -165,9 +170,9 @@ class _Extension:
         with self._lock:
             if self._problem is None:
                 self._problem = self._build()
-        return (
-            Outcome(failed=1, report=[self._problem]) if self._problem else _pytest(blender, file)
-        )
+        if self._problem:
+            return Outcome(failed=1, report=[self._problem])
+        return _pytest(self._everything, blender, file)
 
     def _build(self) -> str:
         say("Building the extension…")
@@ -178,11 +183,12 @@ class _Extension:
         return ""
 
 
-def _pytest(blender: environments.Blender, file: Path) -> Outcome:
+def _pytest(everything: bool, blender: environments.Blender, file: Path) -> Outcome:
     name = f"test-{blender.version}-{file.parent.name}-{file.stem}"
     results = BUILD / "results" / f"{name}.xml"
     command = [blender.python, "-m", "pytest", "-v", f"--rootdir={ROOT}", "-c",
-               ROOT / "pyproject.toml", f"--junit-xml={results}", file]  # fmt: skip
+               ROOT / "pyproject.toml", "-m", "" if everything else NOT_LONG,
+               f"--junit-xml={results}", file]  # fmt: skip
     return _run_tests(command, [results], name)
 
 
@@ -263,19 +269,20 @@ def main() -> int:
         action="store_true",
         help="only the core's tests, built with the address and undefined sanitizers",
     )
+    parser.add_argument("--all", action="store_true", help="the long tests too")
     parser.add_argument("-k", metavar="TEXT", default="", help="only groups with TEXT in the name")
     arguments = parser.parse_args()
 
     if arguments.sanitize:
-        groups = [core_group(BUILD / "sanitize", "address,undefined")]
+        groups = [core_group(BUILD / "sanitize", "address,undefined", arguments.all)]
     else:
         blenders = environments.prepare_blenders()
         environments.prepare(environments.BLENDER_BETWEEN, bindings=False)
         groups = [
             *check_groups(),
-            core_group(BUILD / "tests", ""),
+            core_group(BUILD / "tests", "", arguments.all),
             *fuzz_groups(),
-            *blender_groups(blenders),
+            *blender_groups(blenders, arguments.all),
         ]
     groups = [group for group in groups if arguments.k in group.name]
     if not groups:
