@@ -15,8 +15,8 @@ namespace {
 
 py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
                   py::handle positions, py::handle normals, py::handle views, py::handle footprints,
-                  py::handle pixels, const std::optional<CoatingTable<double>>& coating,
-                  py::handle slant_depths, const std::string& precision, py::handle species_index) {
+                  py::handle pixels, py::handle slant_depths, const std::string& precision,
+                  py::handle species_index) {
   if (lights.size() > kLightSlots) {
     throw py::value_error("lights holds " + std::to_string(lights.size()) +
                           ", but must hold at most " + std::to_string(kLightSlots));
@@ -64,12 +64,11 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
   {
     const py::gil_scoped_release released;
     metallic_paint::validate(batch, lights.size());
-    const CoatingTable<double>* table = coating ? &*coating : nullptr;
     const auto at = static_cast<std::size_t>(species);
     if (precision == "float") {
-      evaluate_pixels<float>(paint, table, lights, at, batch, results);
+      evaluate_pixels<float>(paint, lights, at, batch, results);
     } else {
-      evaluate_pixels<double>(paint, table, lights, at, batch, results);
+      evaluate_pixels<double>(paint, lights, at, batch, results);
     }
   }
   py::dict all;
@@ -88,15 +87,14 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
 void bind_evaluate(py::module_& module) {
   module.def("evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-             py::arg("pixel"), py::arg("coating") = py::none(), py::arg("slant_depth") = py::none(),
-             py::arg("precision") = "double", py::arg("species") = 0,
+             py::arg("pixel"), py::arg("slant_depth") = py::none(), py::arg("precision") = "double",
+             py::arg("species") = 0,
              R"doc(The sparkles of up to 8 lights in n pixels, on all cores.
 
 position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
 for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
 in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-number, species, paint.frame and paint.seed alone. coating replaces the colours of the first
-species.
+number, species, paint.frame and paint.seed alone.
 slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
 "float" repeats the shader operation by operation; "double" is the reference.
 

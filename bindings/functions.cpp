@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "flake_brdf.h"
 #include "mixture.h"
 #include "module.h"
 #include "paint.h"

@@ -13,7 +13,6 @@
 #include "validation.h"
 
 namespace py = pybind11;
-using metallic_paint::CoatingTable;
 using metallic_paint::Composition;
 using metallic_paint::DepthModel;
 using metallic_paint::Diffraction;
@@ -62,16 +61,6 @@ C from_keywords(const py::kwargs& fields) {
     self.attr(name) = value;
   }
   return self.cast<C>();
-}
-
-std::vector<Rgb<double>> colours(const char* field, py::handle value) {
-  const Array<double> rows = numbers(field, value);
-  require_rows_of_3(field, rows);
-  std::vector<Rgb<double>> all;
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-    all.push_back({rows.at(i, 0), rows.at(i, 1), rows.at(i, 2)});
-  }
-  return all;
 }
 
 }  // namespace
@@ -168,17 +157,4 @@ checked on construction, all fields again on use.)doc");
   def_field<&Paint::seed>(paint, "seed", kInt32);
   def_field<&Paint::frame>(paint, "frame", kInt32);
   def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");
-
-  py::class_<CoatingTable<double>>(
-      module, "CoatingTable",
-      R"doc(Reflectance and transmittance of a flake, RGB, at cos(alpha) = 0, 1/(n-1), ..., 1.
-
-2 to 4096 rows, linear in between; each value and each sum of the two from 0 to 1.)doc")
-      .def(py::init([](py::handle reflectance, py::handle transmittance) {
-             const CoatingTable<double> table{colours("coating.reflectance", reflectance),
-                                              colours("coating.transmittance", transmittance)};
-             metallic_paint::validate(table);
-             return table;
-           }),
-           py::arg("reflectance"), py::arg("transmittance"));
 }

@@ -3,60 +3,16 @@
 // Many pixels at once, over all cores: what the bindings and the verification call.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <thread>
 #include <vector>
 
+#include "light_slots.h"
 #include "paint.h"
+#include "parallel.h"
+#include "sparkles.h"
 
 namespace metallic_paint {
-
-// Calls work(i) for i in [0, count) on all cores, in blocks. work must not throw.
-template <class Work>
-void parallel_for(std::size_t count, const Work& work, std::size_t block_size = 1024) {
-  const std::size_t blocks = (count + block_size - 1) / block_size;
-  const std::size_t workers = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1,
-                                                      std::max<std::size_t>(blocks, 1));
-  std::atomic<std::size_t> next{0};
-  const auto run = [&] {
-    for (std::size_t block = next++; block < blocks; block = next++) {
-      const std::size_t end = std::min(count, (block + 1) * block_size);
-      for (std::size_t i = block * block_size; i < end; ++i) work(i);
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(run);
-  run();
-}
-
-// What the shader finds for all light slots at one point. leader: see group_lights; -1 for a light
-// that is unused or below the horizon. At most kLightSlots lights.
-template <class T>
-struct SlotView {
-  std::array<SeenLight<T>, kLightSlots> seen;
-  std::array<int, kLightSlots> leader;
-};
-
-template <class T>
-SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point) {
-  SlotView<T> slots;
-  const int count = std::min(static_cast<int>(lights.size()), kLightSlots);
-  slots.leader.fill(-1);
-  for (int i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    slots.seen[at] = see_light(lights[at], point.position);
-    if (slots.seen[at].visible && dot(Vec3<Wide<T>>(point.normal), slots.seen[at].direction) > 0) {
-      slots.leader[at] = i;
-    }
-  }
-  group_lights(slots.seen.data(), slots.leader.data(), count);
-  return slots;
-}
 
 // Arrays over n pixels, and the lights' slots behind them; row-major.
 struct PixelBatch {
@@ -84,24 +40,11 @@ struct PixelResults {
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference.
-// `coating` takes the place of the first species' colours; the counts are those of `species`.
+// The counts are those of `species`.
 template <class T>
-void evaluate_pixels(const Paint& paint, const CoatingTable<double>* coating,
-                     const std::vector<Light<double>>& lights, std::size_t species,
-                     const PixelBatch& batch, const PixelResults& results) {
-  Layer<T> layer = make_layer<T>(paint);
-  CoatingTable<T> table;
-  if (coating != nullptr) {
-    for (const Rgb<double>& r : coating->reflectance) table.reflectance.push_back(Rgb<T>(r));
-    for (const Rgb<double>& t : coating->transmittance) table.transmittance.push_back(Rgb<T>(t));
-    layer.flakes[0].coating.table = &table;
-  }
-  // <t_p> of a table is a double integral: tabulated over the cosine, as the paper does.
-  std::optional<ProjectionTable<T>> projection;
-  if (coating != nullptr) {
-    projection.emplace(layer.flakes[0].orientation, layer.flakes[0].coating, kProjectionIntervals);
-    layer.flakes[0].projection_table = &*projection;
-  }
+void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
+                     std::size_t species, const PixelBatch& batch, const PixelResults& results) {
+  const Layer<T> layer = make_layer<T>(paint);
   std::vector<Light<T>> slots;
   for (const Light<double>& light : lights) {
     slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});

@@ -6,25 +6,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <vector>
 
 #include "vector.h"
 
 namespace metallic_paint {
-
-// Values at cos(alpha) = 0, 1/(n-1), ..., 1, interpolated linearly.
-template <class T>
-struct CoatingTable {
-  std::vector<Rgb<T>> reflectance, transmittance;
-};
-
-template <class T>
-Rgb<T> interpolate(const std::vector<Rgb<T>>& values, T cosine) {
-  const T position = std::clamp(cosine, T(0), T(1)) * static_cast<T>(values.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(position), values.size() - 2);
-  const T f = position - static_cast<T>(i);
-  return values[i] * (1 - f) + values[i + 1] * f;
-}
 
 // What a flake is made of. colors: Schlick's metal of the paint's own colours; the others have
 // measured indices and stand in the library. The thickness in nm is that of the pearls' coating, on
@@ -94,19 +79,16 @@ Rgb<T> interpolate_library(int first_row, T thickness_nm, T cosine) {
 }
 
 // Of kind colors: Schlick's metal with a transmittance that does not depend on the angle; equal
-// colours at normal and grazing incidence give a constant coating. A table, where there is one,
-// replaces colours and kind (core only).
+// colours at normal and grazing incidence give a constant coating.
 template <class T>
 struct Coating {
   Rgb<T> normal_reflectance, grazing_reflectance, transmittance;
-  const CoatingTable<T>* table = nullptr;
   CoatingKind kind = CoatingKind::colors;
   T thickness_nm = 0;
 };
 
 template <class T>
 Rgb<T> coating_reflectance(const Coating<T>& coating, T cos_alpha) {
-  if (coating.table != nullptr) return interpolate(coating.table->reflectance, cos_alpha);
   const int kind = static_cast<int>(coating.kind);
   if (kind > 0) {
     // A metal's only row is met at 0 nm.
@@ -121,7 +103,6 @@ Rgb<T> coating_reflectance(const Coating<T>& coating, T cos_alpha) {
 
 template <class T>
 Rgb<T> coating_transmittance(const Coating<T>& coating, T cos_alpha) {
-  if (coating.table != nullptr) return interpolate(coating.table->transmittance, cos_alpha);
   const int kind = static_cast<int>(coating.kind);
   if (kind == 0) return coating.transmittance;
   if (!is_clear(coating.kind)) return {};

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sparkles.h"
+#include "layer.h"
 
 namespace metallic_paint {
 

@@ -47,10 +47,10 @@
 #include <numbers>
 
 #include "elementary.h"
+#include "layer.h"
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "refraction.h"
-#include "sparkles.h"
 #include "vector.h"
 
 namespace metallic_paint {

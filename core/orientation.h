@@ -228,37 +228,6 @@ SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
   return {half * half, sinc * square * density.below / density.norm};
 }
 
-// P(beta) at cos(beta) = 0, 1/n, ..., 1, interpolated linearly, as the paper tabulates it to be rid
-// of the exponential and the arccosine. Scaled so that the interpolated density integrates to 1
-// exactly. Even steps in cos(beta) see little of narrow tilts: with 16384 of them the largest
-// error, relative to the peak, is 3e-6 for a Gaussian of tilt 0.1 and 4e-4 at 0.03 (GGX: 8e-5 and
-// 8e-3). Fewer are no faster (./paint accuracy).
-inline constexpr int kOrientationIntervals = 16384;
-
-template <class T>
-struct OrientationTable {
-  std::vector<T> value;
-
-  OrientationTable(const OrientationDensity<T>& density, int intervals) {
-    T integral = 0;
-    for (int i = 0; i <= intervals; ++i) {
-      const T one_minus_cos = static_cast<T>(intervals - i) / static_cast<T>(intervals);
-      value.push_back(orientation_density(density, one_minus_cos / 2));
-      const bool end = i == 0 || i == intervals;
-      integral += value.back() * (end ? T(0.5) : T(1)) / static_cast<T>(intervals);
-    }
-    for (T& v : value) v /= integral;
-  }
-
-  T at(T sin2_half_beta) const {
-    const T last = static_cast<T>(value.size() - 1);
-    const T position = std::clamp(1 - 2 * sin2_half_beta, T(0), T(1)) * last;
-    const std::size_t i = std::min(static_cast<std::size_t>(position), value.size() - 2);
-    const T f = position - static_cast<T>(i);
-    return value[i] * (1 - f) + value[i + 1] * f;
-  }
-};
-
 // Gaussian only: the mean area that flakes tilted beyond 90 degrees from the direction show with
 // their backs, (1/pi) integral of P sin(b) (sqrt(B^2 - A^2) - A acos(A/B)) over b from b0 = 90
 // degrees - theta, A = cos(theta) cos(b), B = sin(theta) sin(b). b = b0 + L x^2 makes the integrand

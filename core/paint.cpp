@@ -107,24 +107,6 @@ void validate(const Light<double>& light) {
          "0 (unused), 1 (parallel) or 2 (positional)");
 }
 
-void validate(const CoatingTable<double>& table) {
-  const std::size_t size = table.reflectance.size();
-  if (size < 2 || size > 4096) {
-    reject("size of the coating table", static_cast<double>(size), "from 2 to 4096");
-  }
-  if (table.transmittance.size() != size) {
-    reject("size of coating.transmittance", static_cast<double>(table.transmittance.size()),
-           "that of coating.reflectance, " + std::to_string(size));
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::string reflectance = at_row("coating.reflectance", i);
-    const std::string transmittance = at_row("coating.transmittance", i);
-    require_colour(reflectance, table.reflectance[i], 1);
-    require_colour(transmittance, table.transmittance[i], 1);
-    require_sum(reflectance + " + " + transmittance, table.reflectance[i], table.transmittance[i]);
-  }
-}
-
 void validate_count(double mean, double slots, double uniform) {
   require_range("mean", mean, 0, std::numeric_limits<double>::infinity());
   if (!is_whole(slots, 0, kPoissonSlots)) {

@@ -11,7 +11,10 @@
 #include <string>
 
 #include "composition.h"
-#include "sparkles.h"
+#include "layer.h"
+#include "light.h"
+#include "random.h"
+#include "vector.h"
 
 namespace metallic_paint {
 
@@ -66,7 +69,6 @@ struct Paint : FlakeSpecies {
 // range.
 void validate(const Paint& paint);
 void validate(const Light<double>& light);
-void validate(const CoatingTable<double>& table);
 
 // Likewise, for the arguments of single functions of the model.
 void validate_count(double mean, double slots, double uniform);

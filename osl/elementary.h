@@ -100,6 +100,11 @@ float mean_transmittance(float x)
   return (1.0 - exponential(-x)) / x;
 }
 
+color mean_transmittance(color x)
+{
+  return color(mean_transmittance(x[0]), mean_transmittance(x[1]), mean_transmittance(x[2]));
+}
+
 float mills_ratio(float x)
 {
   float t = 3.0 / (3.0 + x);

@@ -4,7 +4,7 @@
 // See core/flake_lobe.h for the weight.
 #pragma once
 
-#include "sparkles.h"
+#include "passage.h"
 
 // Half-angle of the cone in which a flake's mirror direction is widened, so that area lights are sampled as well, and lights
 // beyond the slots seen. In units of eta tilt: the tilt turns the mirror direction by 2 eta tilt, and the disc adds a quarter of

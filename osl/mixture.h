@@ -9,7 +9,7 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "refraction.h"
-#include "sparkles.h"
+#include "layer.h"
 
 #define MIXTURE_POINTS 3
 #define FORGETTING 20.0

@@ -6,7 +6,6 @@ ValueError with a sentence that names the field, the value and the range. The mo
 """
 
 from ._native import (
-    CoatingTable,
     Composition,
     DepthModel,
     Diffraction,
@@ -33,7 +32,6 @@ from ._native import (
 )
 
 __all__ = [
-    "CoatingTable",
     "Composition",
     "DepthModel",
     "Diffraction",

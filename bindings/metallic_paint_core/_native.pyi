@@ -70,11 +70,6 @@ class Paint(FlakeSpecies):
     def __init__(self, **fields: object) -> None: ...
     def validate(self) -> None: ...
 
-class CoatingTable:
-    def __init__(
-        self, reflectance: Sequence[Sequence[float]], transmittance: Sequence[Sequence[float]]
-    ) -> None: ...
-
 class LightKind(IntEnum):
     unused = 0
     parallel = 1
@@ -115,7 +110,6 @@ def evaluate(
     view: ArrayLike,
     footprint: ArrayLike,
     pixel: ArrayLike,
-    coating: CoatingTable | None = None,
     slant_depth: ArrayLike | None = None,
     precision: Literal["float", "double"] = "double",
     species: int = 0,
@@ -125,7 +119,7 @@ def evaluate(
     position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
     for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
     in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-    number, species, paint.frame and paint.seed alone. coating replaces the first species' colours.
+    number, species, paint.frame and paint.seed alone.
     slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
     "float" repeats the shader operation by operation; "double" is the reference.
     """

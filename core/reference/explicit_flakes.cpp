@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../batch.h"
+#include "../parallel.h"
 #include "../validation.h"
 #include "optics.h"
 #include "population.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "../batch.h"
+#include "../parallel.h"
 #include "../validation.h"
 #include "optics.h"
 #include "population.h"

@@ -4,6 +4,7 @@
 // that thing alone changed.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "alternatives.h"
 #include "paint.h"
 #include "scene.h"
+#include "tables.h"
 
 namespace trade {
 
@@ -35,22 +37,7 @@ class Model {
 struct Change {
   std::function<void(Paint&)> paint = [](Paint&) {};
   int orientation_intervals = 0, projection_intervals = 0;
-  bool coated = false;  // with interference_coating()
 };
-
-// A reflectance that swings with the angle, and nothing absorbed.
-template <class T>
-CoatingTable<T> interference_coating() {
-  CoatingTable<T> table;
-  for (int i = 0; i <= 64; ++i) {
-    const double phase = 12 * i / 64.0;
-    const Rgb<double> r{0.5 + 0.3 * std::cos(phase), 0.5 + 0.3 * std::cos(1.2 * phase),
-                        0.5 + 0.3 * std::cos(1.4 * phase)};
-    table.reflectance.push_back(Rgb<T>(r));
-    table.transmittance.push_back(Rgb<T>(grey(1.0) - r));
-  }
-  return table;
-}
 
 template <class T, class Draw>
 class ModelOf : public Model {
@@ -61,15 +48,12 @@ class ModelOf : public Model {
         draw_(draw) {
     change.paint(paint_);
     layer_ = make_layer<T>(paint_);
-    coating_ = interference_coating<T>();
-    if (change.coated) flakes().coating.table = &coating_;
+    const Flakes<T>& flakes = layer_.flakes[0];
     if (change.orientation_intervals > 0) {
-      orientation_.emplace(flakes().orientation, change.orientation_intervals);
-      flakes().orientation_table = &*orientation_;
+      orientation_.emplace(flakes.orientation, change.orientation_intervals);
     }
     if (change.projection_intervals > 0) {
-      projection_.emplace(flakes().orientation, flakes().coating, change.projection_intervals);
-      flakes().projection_table = &*projection_;
+      projection_.emplace(flakes.orientation, flakes.coating, change.projection_intervals);
     }
   }
 
@@ -99,14 +83,36 @@ class ModelOf : public Model {
   }
 
  private:
-  Flakes<T>& flakes() { return layer_.flakes[0]; }
   HashWords key_of(int seed) const {
     Paint paint = paint_;
     paint.seed = seed;
     return paint_stream(paint, 0);
   }
   ExpectedSparkles<T> expect(const SurfacePoint<T>& point) const {
-    return expect_sparkles(layer_, point, see_light(light_, point.position));
+    const SeenLight<T> seen = see_light(light_, point.position);
+    const Flakes<T>& flakes = layer_.flakes[0];
+    if (orientation_) {
+      const Passage<T> way = pass_between(layer_, point, seen);
+      const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
+      if (!(inside > 0)) return {};
+      // At the centre of the cone of normals, as in the paper's eq. 4.
+      const Wide<T> p = orientation_->at(static_cast<T>(way.mirror.sin2_half_beta));
+      const auto probability =
+          static_cast<T>(std::min(2 * p * quarter_cone(inside, way), Wide<T>(1)));
+      return expect_sparkles(layer_, flakes, point.footprint, way, inside, probability);
+    }
+    if (projection_) {
+      const Rgb<T> none{};  // the layer's own depth is not computed
+      Passage<T> way = pass_between(layer_, point, seen, &none);
+      if (way.open)
+        way.slant = tabulated_depth(way.mirror.g_view) + tabulated_depth(way.mirror.g_light);
+      return expect_sparkles(layer_, flakes, point.footprint, way);
+    }
+    return expect_sparkles(layer_, point, seen);
+  }
+  Rgb<T> tabulated_depth(Wide<T> g) const {
+    const T cosine = static_cast<T>(std::min(g / layer_.eta, Wide<T>(1)));
+    return slant_depth(projection_->at(cosine) * layer_.coverage, layer_.binder_depth, cosine);
   }
   Drawn draw_one(const ExpectedSparkles<T>& expected, HashWords key,
                  const SurfacePoint<T>& point) const {
@@ -119,7 +125,6 @@ class ModelOf : public Model {
   Light<T> light_;
   Draw draw_;
   Layer<T> layer_;
-  CoatingTable<T> coating_;
   std::optional<OrientationTable<T>> orientation_;
   std::optional<ProjectionTable<T>> projection_;
   std::vector<SurfacePoint<T>> points_;
@@ -169,9 +174,6 @@ inline MakeModel with_paint(const std::function<void(Paint&)>& change) {
 inline std::vector<Group> groups() {
   const auto orientation = [](int n) { return shipped({.orientation_intervals = n}); };
   const auto projection = [](int n) { return shipped({.projection_intervals = n}); };
-  const auto coated = [](int n) {
-    return shipped<double>({.projection_intervals = n, .coated = true});
-  };
   using enum Form;
   return {
       {"number type",
@@ -197,16 +199,6 @@ inline std::vector<Group> groups() {
         {"table of 64", projection(64)},
         {"table of 256", projection(256)},
         {"table of 1024", projection(1024)}}},
-      // Only the core has it, so in double. Every entry of a table is an exact integral; two for
-      // each pixel would take too long here.
-      {"⟨s⟩ − ⟨t⟩ of a tabulated coating",
-       "table of 2048",
-       "table of 256",
-       {{"table of 64", coated(64)},
-        {"table of 256", coated(256)},
-        {"table of 1024", coated(1024)},
-        {"table of 2048", coated(2048)}},
-       false},
       {"count",
        "inversion at every mean",
        "Cornish–Fisher from 32",

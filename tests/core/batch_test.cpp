@@ -107,7 +107,7 @@ void expect_each_pixel_alone(bool with_slant) {
       sun(10, 0.02), {}, {LightKind::positional, {0.5, 0.25, 2}, 0.125}, sun(11, 0.02)};
   const int n = 3000;
   Arrays arrays(n, lights.size());
-  evaluate_pixels<T>(paint, nullptr, lights, 0, arrays.batch(with_slant), arrays.results());
+  evaluate_pixels<T>(paint, lights, 0, arrays.batch(with_slant), arrays.results());
   const Layer<T> layer = make_layer<T>(paint);
   const auto vector = [](const std::vector<double>& array, std::size_t i) {
     return Vec3<T>(Vec3<double>{array[3 * i], array[3 * i + 1], array[3 * i + 2]});
@@ -154,28 +154,10 @@ TEST(Batch, GivenOpticalDepthsReachTheirPixelAndLight) {
   expect_each_pixel_alone<float>(true);
 }
 
-TEST(Batch, ConstantCoatingTableEqualsConstantCoating) {
-  Paint paint;
-  paint.flake_color = paint.flake_edge_color = {0.5, 0.25, 0.75};
-  paint.flake_transmission = {0.25, 0.5, 0.125};
-  const CoatingTable<double> table{{paint.flake_color, paint.flake_color},
-                                   {paint.flake_transmission, paint.flake_transmission}};
-  const std::vector<Light<double>> lights{sun(20, 0.05)};
-  Arrays direct(500, 1), tabulated(500, 1);
-  evaluate_pixels<double>(paint, nullptr, lights, 0, direct.batch(false), direct.results());
-  evaluate_pixels<double>(paint, &table, lights, 0, tabulated.batch(false), tabulated.results());
-  Worst worst;
-  for (std::size_t i = 0; i < direct.mean.size(); ++i) {
-    if (direct.mean[i] == 0) continue;
-    worst.see(relative_error(tabulated.mean[i], direct.mean[i]), "value", i);
-  }
-  worst.expect_at_most(1e-5);  // the table over the cosine
-}
-
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {
   Arrays arrays(10, 1);
   for (double& v : arrays.normal) v = 0;
-  evaluate_pixels<float>(Paint{}, nullptr, {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
+  evaluate_pixels<float>(Paint{}, {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
   for (double radiance : arrays.radiance) EXPECT_EQ(radiance, 0);
   for (std::int32_t leader : arrays.leader) EXPECT_EQ(leader, -1);
 }

@@ -13,6 +13,7 @@
 #include "optical_thickness.h"
 #include "reference/flake_normals.h"
 #include "reference/optics.h"
+#include "reference/transmitted_area.h"
 #include "support.h"
 #include "validation.h"
 
@@ -99,7 +100,7 @@ TEST(CoatingLibrary, MetalsBlockAllTheirArea) {
   const auto density = make_orientation<double>(Orientation::gaussian, 0.2);
   for (int kind : {1, 8, static_cast<int>(CoatingKind::fe2o3_on_aluminium)}) {
     const Rgb<double> blocked =
-        blocked_area<double>(density, library_coating<double>(kind, 60), nullptr, 0.8);
+        blocked_area<double>(density, library_coating<double>(kind, 60), 0.8);
     EXPECT_EQ(blocked.y, mean_projected_area(density, 0.8)) << "kind " << kind;
   }
 }
@@ -118,8 +119,8 @@ TEST(CoatingLibrary, FourFlakesStandForAll) {
           const auto coating = library_coating<double>(kind, nm);
           for (double cosine : {0.05, 0.2, 0.4, 0.6, 0.7, 0.745, 0.8, 0.87, 0.93, 1.0}) {
             const Rgb<double> exact = grey(mean_projected_area(density, cosine)) -
-                                      mean_transmitted_area(density, coating, cosine);
-            const Rgb<double> ours = blocked_area<double>(density, coating, nullptr, cosine);
+                                      reference::mean_transmitted_area(density, coating, cosine);
+            const Rgb<double> ours = blocked_area<double>(density, coating, cosine);
             const int range = cosine < 0.7 ? 2 : tilt > 0.2 ? 1 : 0;
             (on_mica ? mica : silica)[range].see(largest(ours - exact), "kind", kind, "shape",
                                                  static_cast<int>(shape), "tilt", tilt, "nm", nm,
@@ -149,7 +150,7 @@ TEST(CoatingLibrary, ReferencesLetThroughWhatTheDoubleIntegralDoes) {
           const Rgb<double> ours = normals.transmitted_area(
               cosine, [&](double c) { return reference::library_transmittance(which, 77, c); });
           const Rgb<double> exact =
-              mean_transmitted_area(density, library_coating<double>(kind, 77), cosine);
+              reference::mean_transmitted_area(density, library_coating<double>(kind, 77), cosine);
           worst.see(largest(ours - exact), "shape", static_cast<int>(shape), "tilt", tilt, "kind",
                     kind, "cos", cosine);
         }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "composition.h"
+#include "flake_brdf.h"
 #include "flake_lobe.h"
 #include "mixture.h"
 #include "scenes.h"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "flake_brdf.h"
 #include "scenes.h"
 #include "support.h"
 

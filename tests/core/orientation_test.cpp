@@ -233,37 +233,6 @@ TEST(Orientation, ProjectedAreaIsAShareNotBelowThatOfTheFronts) {
   }
 }
 
-// 16384 even steps in cos(beta): the error relative to the peak, over all beta.
-TEST(Orientation, TableOverTheCosineIsNormalisedAndNear) {
-  const auto worst_of = [](Orientation kind, double tilt) {
-    const auto density = make_orientation<double>(kind, tilt);
-    const OrientationTable<double> table(density, kOrientationIntervals);
-    long double integral = 0;
-    for (std::size_t i = 0; i + 1 < table.value.size(); ++i) {
-      integral += (table.value[i] + table.value[i + 1]) / 2.0L / kOrientationIntervals;
-    }
-    EXPECT_NEAR(static_cast<double>(integral), 1, 1e-12) << "tilt " << tilt;
-    const double peak = orientation_density(density, 0.0);
-    double worst = 0;
-    for (int i = 0; i <= 100000; ++i) {
-      const double beta = std::numbers::pi / 2 * i / 100000;
-      const double y = std::sin(beta / 2) * std::sin(beta / 2);
-      worst = std::max(worst, std::abs(table.at(y) - orientation_density(density, y)) / peak);
-    }
-    return worst;
-  };
-  // Measured, relative to the peak: Gaussian 4.0e-8, 3.1e-6, 3.8e-4;
-  // Beckmann 1.2e-7, 1.2e-5, 1.5e-3; GGX 9.2e-7, 8.4e-5, 8.0e-3. The error grows as 1/tilt^4.
-  const std::array<std::array<double, 3>, 3> limits = {
-      {{5e-8, 4e-6, 5e-4}, {1.5e-7, 1.5e-5, 2e-3}, {1.2e-6, 1e-4, 1e-2}}};
-  for (Orientation kind : {Orientation::gaussian, Orientation::beckmann, Orientation::ggx}) {
-    const auto& limit = limits[static_cast<std::size_t>(kind)];
-    EXPECT_LT(worst_of(kind, 0.3), limit[0]) << "kind " << static_cast<int>(kind);
-    EXPECT_LT(worst_of(kind, 0.1), limit[1]) << "kind " << static_cast<int>(kind);
-    EXPECT_LT(worst_of(kind, 0.03), limit[2]) << "kind " << static_cast<int>(kind);
-  }
-}
-
 // sin^2 of half the angle
 double half_square(double angle) { return std::pow(std::sin(angle / 2), 2); }
 

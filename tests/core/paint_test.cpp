@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batch.h"
+#include "flake_brdf.h"
 #include "reference/optics.h"
 #include "support.h"
 
@@ -266,34 +267,6 @@ TEST(LightInput, BadLightsAreRefused) {
     expect_names(light(LightKind::positional, {0, 0, bad}, 0), {"light.vector.z is", "1e+30"});
   }
   expect_names(light(static_cast<LightKind>(7), {0, 0, 1}, 0), {"light.kind is 7", "positional"});
-}
-
-TEST(CoatingInput, BadTablesAreRefused) {
-  const Rgb<double> half{0.5, 0.5, 0.5};
-  CoatingTable<double> good{{half, half, half}, {half, half, half}};
-  EXPECT_EQ(complaint(good), "");
-  CoatingTable<double> table{{half}, {half}};
-  expect_names(complaint(table), {"size of the coating table is 1", "from 2 to 4096"});
-  table.reflectance.assign(4097, {});
-  table.transmittance.assign(4097, {});
-  expect_names(complaint(table), {"is 4097", "from 2 to 4096"});
-  table.reflectance.assign(4096, {});
-  table.transmittance.assign(4096, {});
-  EXPECT_EQ(complaint(table), "");
-  table = good;
-  table.transmittance.pop_back();
-  expect_names(complaint(table), {"coating.transmittance is 2", "coating.reflectance, 3"});
-  for (double bad : {-0.1, 1.1, kNan, kInf}) {
-    table = good;
-    table.reflectance[1].y = bad;
-    expect_names(complaint(table), {"coating.reflectance[1].g is " + digits(bad), "from 0 to 1"});
-    table = good;
-    table.transmittance[2].z = bad;
-    expect_names(complaint(table), {"coating.transmittance[2].b is " + digits(bad), "from 0 to 1"});
-  }
-  table = good;
-  table.reflectance[2].x = 0.6;
-  expect_names(complaint(table), {"coating.reflectance[2]", "coating.transmittance[2] is 1.1"});
 }
 
 TEST(PixelInput, BadPixelsAreRefused) {

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "flake_brdf.h"
 #include "independent.h"
 #include "quadrature.h"
 #include "scenes.h"

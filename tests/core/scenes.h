@@ -11,6 +11,8 @@
 
 #include "independent.h"
 #include "paint.h"
+#include "reference/transmitted_area.h"
+#include "sparkles.h"
 #include "support.h"
 
 namespace core_tests {
@@ -119,8 +121,9 @@ inline Rgb<double> exact_slant_depth(const Layer<double>& layer, double cos_in) 
   Rgb<double> blocking{};
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<double>& flakes = layer.flakes[static_cast<std::size_t>(i)];
-    const Rgb<double> blocked = grey(mean_projected_area(flakes.orientation, cos_in)) -
-                                mean_transmitted_area(flakes.orientation, flakes.coating, cos_in);
+    const Rgb<double> blocked =
+        grey(mean_projected_area(flakes.orientation, cos_in)) -
+        reference::mean_transmitted_area(flakes.orientation, flakes.coating, cos_in);
     blocking = blocking + blocked * flakes.coverage;
   }
   return slant_depth(blocking, layer.binder_depth, cos_in);

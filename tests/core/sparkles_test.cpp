@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "flake_brdf.h"
 #include "scenes.h"
 #include "support.h"
 
@@ -285,23 +286,6 @@ TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
               scene);
   }
   worst.expect_at_most(1e-12);
-}
-
-TEST(Sparkles, ProjectionTableStandsInForTheExactProjection) {
-  Random random(30);
-  Worst worst;
-  for (int k = 0; k < 200; ++k) {
-    const TestScene scene = random_scene(random);
-    auto layer = scene.layer<double>();
-    const Rgb<double> exact = mean_radiance(scene.expect<double>());
-    const ProjectionTable<double> table(layer.flakes[0].orientation, layer.flakes[0].coating,
-                                        kProjectionIntervals);
-    layer.flakes[0].projection_table = &table;
-    const auto tabulated =
-        mean_radiance(expect_sparkles(layer, scene.point<double>(), scene.seen<double>()));
-    worst.see(relative_error(tabulated.y, exact.y), scene);
-  }
-  worst.expect_at_most(1e-4);
 }
 
 TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Thin films against closed forms and another program; colours; the tables that the core takes."""
+"""Thin films against closed forms and another program; colours; the library."""
 
 from __future__ import annotations
 
@@ -222,29 +222,27 @@ def test_interpolating_the_table_errs_little_where_light_can_reach() -> None:
 
 
 @pytest.mark.parametrize("name", coatings.NAMES)
-def test_the_core_takes_every_table(name: str) -> None:
+def test_no_coating_gives_back_more_than_falls_in(name: str) -> None:
     table = coatings.table(coatings.named_flake(name))
     assert table.reflectance.shape == (coatings.NODES, 3)
     assert (table.reflectance + table.transmittance <= 1 + 1e-12).all()
-    core.CoatingTable(table.reflectance, table.transmittance)
 
 
 def test_a_paint_shows_the_coatings_colour() -> None:
     """View and light along the normal: alpha is 0, and nothing else has a colour."""
-    table = coatings.table(coatings.named_flake("tio2-on-mica", 120))
-    clear = np.zeros_like(table.transmittance)
     scene = {
         "position": [[0, 0, 0]], "normal": [[0, 0, 1]], "view": [[0, 0, 1]], "footprint": [1e-6],
         "pixel": [[3, 4]],
     }  # fmt: skip
     sun = core.Light(core.LightKind.parallel, (0, 0, 1), 0.00465)
+    number = [*coatings.METALS, *coatings.PEARLS].index("copper") + 1
+    white = core.Paint(flake_color=(1, 1, 1), flake_edge_color=(1, 1, 1))
     mean = [
-        core.evaluate(core.Paint(), [sun], **scene, coating=core.CoatingTable(r, clear))[
-            "mean_radiance"
-        ].ravel()
-        for r in (table.reflectance, np.ones_like(table.reflectance))
+        core.evaluate(paint, [sun], **scene)["mean_radiance"].ravel()
+        for paint in (core.Paint(coating=number), white)
     ]
-    np.testing.assert_allclose(mean[0] / mean[1], table.reflectance[-1], rtol=1e-6)
+    expected = core.library_coating([number], [0.0], [1.0])[0, 0]
+    np.testing.assert_allclose(mean[0] / mean[1], expected, rtol=1e-6)
 
 
 LIBRARY_FILE = ROOT / "core" / "coating_library.inc"

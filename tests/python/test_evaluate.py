@@ -96,16 +96,6 @@ def test_a_light_below_the_horizon_gives_nothing() -> None:
     assert not result["radiance"].any()
 
 
-def test_a_constant_coating_table_is_the_same_paint() -> None:
-    paint = core.Paint(
-        flake_color=[0.5] * 3, flake_edge_color=[0.5] * 3, flake_transmission=[0.25] * 3
-    )
-    table = core.CoatingTable([[0.5] * 3] * 2, [[0.25] * 3] * 2)
-    plain = core.evaluate(paint, [SUN], **scene())
-    tabulated = core.evaluate(paint, [SUN], **scene(), coating=table)
-    np.testing.assert_allclose(tabulated["mean_radiance"], plain["mean_radiance"], rtol=1e-5)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -397,20 +387,6 @@ def test_nine_lights_are_too_many() -> None:
 def test_a_bad_light_is_named(arguments: tuple, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         core.Light(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("reflectance", "transmittance", "message"),
-    [
-        ([[0.5] * 3], [[0.5] * 3], "size of the coating table is 1, but must be from 2 to 4096"),
-        ([[0.5] * 2] * 2, [[0.5] * 3] * 2, r"coating.reflectance has .*, but must be \(n, 3\)"),
-        ([[0.5] * 3] * 2, "a", "coating.transmittance is 'a', but must be an array of numbers"),
-        ([[0.5] * 3] * 2, [[NAN] * 3] * 2, r"coating.transmittance\[0\].r is nan, but must be"),
-    ],
-)
-def test_a_bad_coating_is_named(reflectance: object, transmittance: object, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        core.CoatingTable(reflectance, transmittance)
 
 
 def test_every_public_name_is_documented() -> None:

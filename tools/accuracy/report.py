@@ -24,8 +24,6 @@ NOTES = {
     "for callers of the C++, the shader carries none.",
     "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form, or 12 points in "
     "float; only flakes seen from their backs (scene “wide”) need the points.",
-    "⟨s⟩ − ⟨t⟩ of a tabulated coating": "In C++ only, so in double; the time is for pictures of a "
-    "million pixels, most of it the making of the table.",
     "count": "All of them take one hash; the closed forms bound the work.",
     "radiometry": "“Published” is the paper to the letter: not another price but another mean.",
     "depth": "Which of the two is right is not a matter of this table: see the traced flakes.",

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How many flakes of a pixel are expected to mirror a light, and what each of them shows:
+// everything about the sparkles but the deviates, with the mean and the variance in closed form.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "flake_area.h"
+#include "layer.h"
+#include "optical_thickness.h"
+#include "orientation.h"
+#include "passage.h"
+#include "poisson.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+// Everything about the sparkles of a light in a pixel but the deviates.
+template <class T>
+struct ExpectedSparkles {
+  T mean_count{};         // <N>
+  int slots{};            // 0: Poisson; k: binomial with k places
+  T fill{1};              // mean flake areas that fill the pixel
+  AreaMoments<T> area{};  // moments of min(X, fill)
+  Rgb<T> slant{};         // optical depth of the layer, there and back: t H
+  Rgb<T> mirror{};        // T of a pixel filled by an undimmed sparkle
+  T ceiling{};            // T of a pixel filled by a perfect mirror: nothing exceeds it
+  T contrast{1};          // share of the fluctuation that the paint shows
+};
+
+// Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
+// Published: P at the centre of the cone, as in the paper's eq. 4, but at most 1.
+template <class T>
+Wide<T> flake_probability(const OrientationDensity<T>& density, Radiometry radiometry,
+                          Wide<T> sin2_half_beta, Wide<T> sin2_half_rho) {
+  if (radiometry == Radiometry::exact) {
+    return cap_probability(density, sin2_half_beta, sin2_half_rho);
+  }
+  return std::min(2 * orientation_density(density, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
+}
+
+// A pixel that one flake can fill (ours). Where fewer than this many mean flakes fill the pixel,
+// the count is binomial with as many places as flakes fit, so that the sum stays under the mirror's
+// radiance with the same mean.
+inline constexpr int kPoissonSlots = 16;
+
+// No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
+template <class T>
+inline constexpr double kLeastCone = 1e-100;
+template <>
+inline constexpr double kLeastCone<float> = 1e-18;
+
+// The light in the binder as flakes see it that spread light themselves, sr: Delta_eff^2 = Delta^2
+// + epsilon^2. 0 for a point light on perfect mirrors: no flake ever meets it.
+template <class T>
+Wide<T> cone_in_binder(const Flakes<T>& flakes, const Passage<T>& way) {
+  using W = Wide<T>;
+  const W inside = way.inside + flakes.solid_angle;
+  if (!(inside > 0)) return 0;
+  return std::max(inside, W(kLeastCone<T>) * std::max(way.ratio, W(1)));
+}
+
+// sin^2(rho/2) of the cone about n_f in which the normal of a sparkling flake lies (paper, eq. 4):
+// 4 pi sin^2(rho/2) = inside/(4 cos(alpha)).
+template <class T>
+Wide<T> quarter_cone(Wide<T> inside, const Passage<T>& way) {
+  return inside / (16 * std::numbers::pi_v<Wide<T>> * way.mirror.cos_alpha);
+}
+
+// The sparkles of one species through an open passage, given the light's cone in the binder and the
+// probability that a flake mirrors it (paper, eq. 4).
+template <class T>
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
+                                    const Passage<T>& way, Wide<T> inside, T probability) {
+  ExpectedSparkles<T> expected;
+  expected.contrast = layer.sparkle_contrast;
+  const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
+
+  // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside
+  // that belongs to `inside` is inside/ratio.
+  expected.ceiling = static_cast<T>(way.surface * way.ratio / inside);
+  expected.mirror = coating_reflectance(flakes.coating, cos_alpha) * expected.ceiling;
+  // What the layer leaves on average of a beam to a random depth is A = (1 - e^-tH)/tH.
+  expected.slant = way.slant;
+
+  // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
+  // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
+  // areas stay inside a float.
+  const T footprint = std::clamp(pixel_area, T(1e-20), T(1e6));
+  expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
+  expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
+  T enlarged = 1;
+  if (expected.area.mean < flakes.area.mean) enlarged = flakes.area.mean / expected.area.mean;
+  // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
+  expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
+
+  const T places = expected.fill / flakes.area.mean;
+  if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(std::max(places, T(1)));
+  const T slots = static_cast<T>(expected.slots);
+  // More sparkles than the pixel has places for (a light about as wide as the tilt, seen from near)
+  // hide each other as wholes: thinned, whatever the depth model.
+  const bool crowded = expected.slots > 0 && expected.mean_count > slots;
+  if (layer.depth_model == DepthModel::thinned || crowded) {
+    // Only the neither masked nor shadowed flakes count (paper, eq. 6), as many as the least
+    // absorbed colour sees; what the other colours lose besides dims them all alike.
+    const Rgb<T> transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
+    const T visible = max_component(transmitted);
+    if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
+    expected.mean_count = expected.mean_count * visible;
+    expected.slant = {};
+  }
+  // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
+  if (expected.slots > 0 && expected.mean_count > slots) {
+    expected.mirror = expected.mirror * (expected.mean_count / slots);
+    expected.mean_count = slots;
+  }
+  // The paper's Bernoulli rule (step 3).
+  if (layer.radiometry == Radiometry::published && expected.slots == 0 &&
+      expected.mean_count < T(0.1)) {
+    expected.slots = 1;
+  }
+  return expected;
+}
+
+// The sparkles of one species.
+template <class T>
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
+                                    const Passage<T>& way) {
+  const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
+  if (!(inside > 0)) return {};
+  const auto probability = static_cast<T>(flake_probability(
+      flakes.orientation, layer.radiometry, way.mirror.sin2_half_beta, quarter_cone(inside, way)));
+  return expect_sparkles(layer, flakes, pixel_area, way, inside, probability);
+}
+
+// Of one species, in one call.
+template <class T>
+ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>& point,
+                                    const SeenLight<T>& light, const Rgb<T>* slant = nullptr,
+                                    std::size_t species = 0) {
+  return expect_sparkles(layer, layer.flakes[species], point.footprint,
+                         pass_between(layer, point, light, slant));
+}
+
+// Mean and mean square of what one sparkle adds, per colour, relative to a filled, undimmed pixel:
+// Y = min(X, fill)/fill e^(-x u), u uniform, x the optical depth.
+template <class T>
+Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
+  const T share = expected.area.mean / expected.fill;
+  return map(expected.slant, [&](T x) { return share * mean_transmittance(x); });
+}
+template <class T>
+Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
+  const T share = expected.area.square / expected.fill / expected.fill;
+  return map(expected.slant, [&](T x) { return share * mean_transmittance(2 * x); });
+}
+
+// E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.
+template <class T>
+Rgb<T> mean_radiance(const ExpectedSparkles<T>& expected) {
+  return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
+}
+
+// The share that is left of the radiance's fluctuation about its mean: the paint's contrast (ours),
+// and less from afar. From so far that it is below one step of 8 bits, 1/256, the mean takes the
+// place of the draw; on the way there, from twice that variance on, it fades.
+inline constexpr int kFarCount = 65536;
+template <class T>
+T fluctuation_left(const ExpectedSparkles<T>& expected) {
+  if (!(expected.mean_count > T(kFarCount / 2))) return expected.contrast;
+  // mean^2/variance, of the colour that fluctuates most
+  const Rgb<T> mean = mean_sparkle(expected), square = mean_square_sparkle(expected);
+  T least = expected.mean_count;
+  const auto add = [&](T m, T q) {
+    if (q > 0) least = std::min(least, expected.mean_count * (m * m / q));
+  };
+  add(mean.x, square.x);
+  add(mean.y, square.y);
+  add(mean.z, square.z);
+  return expected.contrast * std::clamp(2 - least / T(kFarCount / 2), T(0), T(1));
+}
+
+// Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
+// Of both, what is left of the fluctuation, squared.
+template <class T>
+Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
+  const T left = fluctuation_left(expected);
+  Rgb<T> variance = mean_square_sparkle(expected) * expected.mean_count;
+  if (expected.slots > 0) {
+    const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
+    variance = variance - mean * mean / static_cast<T>(expected.slots);
+  }
+  // One place always taken has no variance, which rounding may leave below 0.
+  variance = map(variance, [](T v) { return std::max(v, T(0)); });
+  return expected.mirror * (expected.mirror * (variance * (left * left)));
+}
+
+}  // namespace metallic_paint

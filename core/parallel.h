@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Work over all cores.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace metallic_paint {
+
+// Calls work(i) for i in [0, count) on all cores, in blocks. work must not throw.
+template <class Work>
+void parallel_for(std::size_t count, const Work& work, std::size_t block_size = 1024) {
+  const std::size_t blocks = (count + block_size - 1) / block_size;
+  const std::size_t workers = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1,
+                                                      std::max<std::size_t>(blocks, 1));
+  std::atomic<std::size_t> next{0};
+  const auto run = [&] {
+    for (std::size_t block = next++; block < blocks; block = next++) {
+      const std::size_t end = std::min(count, (block + 1) * block_size);
+      for (std::size_t i = block * block_size; i < end; ++i) work(i);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(run);
+  run();
+}
+
+}  // namespace metallic_paint

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The way of a light through a point of the surface to the observer (paper, 5.3.1): refracted in
+// and out, mirrored by a flake in between, dimmed by the layer. All species share it.
+#pragma once
+
+#include <algorithm>
+#include <numbers>
+
+#include "layer.h"
+#include "light.h"
+#include "refraction.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+// Where the paint is looked at. The view is a unit vector towards the observer.
+template <class T>
+struct SurfacePoint {
+  Vec3<T> position, normal, view;
+  T footprint;  // Sigma, area of the pixel's projection on the surface, m2
+  int pixel_x, pixel_y;
+};
+
+// What the flakes of all species share: the way of a light through this point to the observer.
+template <class T>
+struct Passage {
+  bool open = false;  // false: no flake can send this light to the observer
+  Mirror<Wide<T>> mirror{};
+  Wide<T> inside{}, ratio{};  // the light's cone in the binder, sr; that over its cone outside
+  Wide<T> surface{};          // transmittance of the surface, in and out
+  T cos_exit{};               // cosine of the exit by which flakes cover the pixel
+  Rgb<T> slant{};             // optical depth of the layer, there and back: t H
+};
+
+// `slant` overrides the layer's own optical depth t H where it is given (validation against other
+// codes).
+template <class T>
+Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
+                        const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
+  using W = Wide<T>;
+  constexpr W pi = std::numbers::pi_v<W>;
+  Passage<T> way;
+  const bool published = layer.radiometry == Radiometry::published;
+  if (!light.visible || !(point.footprint > 0)) return way;
+  const W eta = layer.eta;
+  way.mirror = mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
+  way.open = way.mirror.possible;  // a light or an observer below the surface: no sparkle
+  if (!way.open) return way;
+  const T cos_view_in = static_cast<T>(std::min(way.mirror.g_view / eta, W(1)));
+  const T cos_light_in = static_cast<T>(std::min(way.mirror.g_light / eta, W(1)));
+  way.cos_exit = published ? static_cast<T>(way.mirror.cos_view) : cos_view_in;
+
+  // The light's cone in the binder (paper, eq. 7). Published: pi Delta_a^2; exact: the true solid
+  // angle 4 pi sin^2(Delta_a/2).
+  const W h = light.sin2_half_radius;
+  const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
+  way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  way.inside = outside * way.ratio;
+  way.slant = slant != nullptr
+                  ? *slant
+                  : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  way.surface = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
+                fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
+  return way;
+}
+
+}  // namespace metallic_paint

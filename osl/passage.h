@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The way of a light through a point of the surface to the observer: see core/passage.h.
+#pragma once
+
+#include "layer.h"
+#include "light.h"
+#include "refraction.h"
+
+struct SurfacePoint {
+  point position;
+  vector n;
+  vector view;
+  float footprint;
+  color slant;  // optical depth of the layer towards the observer
+  int pixel_x;
+  int pixel_y;
+};
+
+struct Passage {
+  int open;
+  Mirror mirror;
+  float inside;
+  float ratio;
+  float surface_transmittance;
+  float cos_exit;
+  color slant;
+};
+
+Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light)
+{
+  Passage way;
+  way.open = 0;
+  way.inside = 0.0;
+  way.ratio = 1.0;
+  way.surface_transmittance = 0.0;
+  way.cos_exit = 1.0;
+  way.slant = color(0.0);
+  way.mirror.possible = 0;
+  if (!light.visible || !(surface.footprint > 0.0))
+    return way;
+  float eta = layer.eta;
+  way.mirror = mirror_between(surface.n, surface.view, light.direction, eta);
+  way.open = way.mirror.possible;
+  if (!way.open)
+    return way;
+  float cos_view_in = min(way.mirror.g_view / eta, 1.0);
+  float cos_light_in = min(way.mirror.g_light / eta, 1.0);
+  way.cos_exit = cos_view_in;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    way.cos_exit = way.mirror.cos_view;
+
+  float outside = 4.0 * M_PI * light.sin2_half_radius;
+  if (layer.radiometry == RADIOMETRY_PUBLISHED)
+    outside = M_PI * squared_angle(light.sin2_half_radius);
+  way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  way.inside = outside * way.ratio;
+  way.slant = surface.slant + slant_depth_of(layer, flakes, library, cos_light_in);
+  way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
+                              fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
+  return way;
+}
