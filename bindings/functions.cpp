@@ -9,6 +9,8 @@
 #include "mixture.h"
 #include "module.h"
 #include "paint.h"
+#include "poisson.h"
+#include "random.h"
 #include "texture.h"
 #include "validation.h"
 
