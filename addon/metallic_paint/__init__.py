@@ -1,24 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Metallic paint with sparkling flakes for Cycles.
 
-paint.py      what a paint is: fields, units, ranges
-presets.py    paints as files
-shader.py     the OSL text, and its compilation into a script node
-material.py   the node group and the material around the shader
-lights.py     the lights that sparkle, fed to every paint of the file by drivers
-needs.py      what a scene requires of its paints; the rest is left out
-migration.py  paints of older versions, made anew
-
-operators.py         new paints, the scene's lights, Cycles with OSL, updates
-preset_operators.py  presets: their menu, apply, load, save
-panel.py             the panel in material properties and shader editor, and the Add menu
-follow.py            lights that follow by themselves
-imports.py           what comes along with a paint from another file and does not belong to it
-library.py           the asset library, in the add-on's preferences
-denoise.py           compositing that denoises all but the sparkles
-quality.py           draft, final, reference: the render settings for sparkles
-scene_report.py      what a scene needs, what the camera sees of the flakes, what spoils them
-verify_operator.py   the artist's own scene against the core, in another process
+paint/      what a paint is, its presets, and the material that shows it
+scene/      what a scene gives to its paints and asks of them: lights, needs, render settings
+verify/     the artist's own scene against the core
+denoise.py  compositing that denoises all but the sparkles
+interface/  operators, menus, panels and preferences
 """
 
 from __future__ import annotations
@@ -26,9 +13,14 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
+ADD_ON = __name__  # as Blender knows it
+
 # Each has register() and unregister().
-_MODULES = ("operators", "preset_operators", "panel", "follow", "imports",
-            "library", "denoise", "quality", "scene_report", "verify_operator")  # fmt: skip
+_MODULES = (
+    "interface.operators", "interface.preset_operators", "interface.panel", "scene.follow",
+    "scene.imports", "interface.library", "interface.denoise", "interface.quality",
+    "interface.report", "interface.verify",
+)  # fmt: skip
 
 
 def register() -> None:

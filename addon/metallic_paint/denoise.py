@@ -18,18 +18,16 @@ denoiser. The sum of both is the picture as it was:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import bpy
 
-from . import lights, needs, operators
-from .panel import SubPanel, draw_lines
-
-if TYPE_CHECKING:
-    from bpy.stub_internal.rna_enums import OperatorReturnItems
+from .paint import material
+from .scene import lights, needs
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
+SET_UP = "Denoise, Keep Sparkles"  # the button
 
 _MARK = "metallic_paint_denoise"  # of our nodes, trees and lamps; of the scene: what was before
 _PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
@@ -47,7 +45,7 @@ class DenoiseError(RuntimeError):
 def why_not(scene: bpy.types.Scene) -> str:
     """What keeps set_up from it, in a sentence; empty where nothing does."""
     if not scene.is_editable:
-        return operators.LINKED.format("scene")
+        return material.LINKED.format("scene")
     if scene.render.engine != "CYCLES" or not hasattr(scene, "cycles"):
         return "The scene does not render with Cycles"
     if foreign := _foreign_nodes(scene):
@@ -79,15 +77,15 @@ def outdated(scene: bpy.types.Scene) -> str:
             for lamp in lights.in_slots()
             if (lamp.is_editable or lamp.lightgroup) and lamp.lightgroup not in groups
         ]
-    again = SCENE_OT_metallic_paint_denoise.bl_label
+    again = SET_UP
     return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
 
 
-def _why_not_remove(scene: bpy.types.Scene) -> str:
+def why_not_remove(scene: bpy.types.Scene) -> str:
     if not scene.is_editable:
-        return operators.LINKED.format("scene")
+        return material.LINKED.format("scene")
     if not hasattr(scene, "cycles"):
-        return operators.NO_CYCLES
+        return material.NO_CYCLES
     if not is_set_up(scene):
         return "Denoising that keeps the sparkles is not set up in this scene"
     return _foreign_nodes(scene)
@@ -135,7 +133,7 @@ def remove(scene: bpy.types.Scene) -> list[str]:
 
     Raises DenoiseError where there is nothing to take back, or other nodes would go with it.
     """
-    if reason := _why_not_remove(scene):
+    if reason := why_not_remove(scene):
         raise DenoiseError(f"{reason}.")
     _change_back(scene, dict(scene[_MARK]))
     del scene[_MARK]
@@ -392,66 +390,3 @@ def _lay_out(tree: bpy.types.NodeTree) -> None:
         node[_MARK] = True
         node.location = 250 * x, -200 * rows.get(x, 0)
         rows[x] = rows.get(x, 0) + 1
-
-
-# --- interface ---------------------------------------------------------------------------------
-
-
-class SCENE_OT_metallic_paint_denoise(bpy.types.Operator):
-    """Set up compositing so that the sparkles' light passes by the denoiser and everything else \
-goes through it"""
-
-    bl_idname = "scene.metallic_paint_denoise"
-    bl_label = "Denoise, Keep Sparkles"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if reason := why_not(context.scene):
-            cls.poll_message_set(reason)
-        return not reason
-
-    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
-        for sentence in set_up(context.scene):
-            self.report({"INFO"}, sentence)
-        return {"FINISHED"}
-
-
-class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
-    """Take compositing, passes and light groups back to what they were before"""
-
-    bl_idname = "scene.metallic_paint_denoise_remove"
-    bl_label = "Remove Sparkle Denoising"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if reason := _why_not_remove(context.scene):
-            cls.poll_message_set(reason)
-        return not reason
-
-    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
-        for sentence in remove(context.scene):
-            self.report({"INFO"}, sentence)
-        return {"FINISHED"}
-
-
-class MATERIAL_PT_metallic_paint_denoise(SubPanel):
-    bl_label = "Denoising"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        column = self.layout.column()
-        column.operator(SCENE_OT_metallic_paint_denoise.bl_idname)
-        if is_set_up(context.scene):
-            column.operator(SCENE_OT_metallic_paint_denoise_remove.bl_idname)
-        if reason := why_not(context.scene) or outdated(context.scene):
-            draw_lines(column, f"{reason}.", "INFO")
-
-
-register, unregister = bpy.utils.register_classes_factory(
-    (
-        SCENE_OT_metallic_paint_denoise,
-        SCENE_OT_metallic_paint_denoise_remove,
-        MATERIAL_PT_metallic_paint_denoise,
-    )
-)

@@ -37,8 +37,13 @@ blender_env.prepare()
 
 import bpy  # noqa: E402
 from common import bars  # noqa: E402
-from metallic_paint import lights, material, shader, verify  # noqa: E402
-from metallic_paint.paint import Paint  # noqa: E402
+from metallic_paint import verify  # noqa: E402
+from metallic_paint.paint import (  # noqa: E402
+    Paint,
+    material,
+    shader,
+)
+from metallic_paint.scene import lights  # noqa: E402
 from verification import scenes  # noqa: E402
 
 SAMPLES = 32  # of two threads: one thread leaves another spinning

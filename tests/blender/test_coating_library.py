@@ -9,7 +9,8 @@ import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
-from metallic_paint import shader, verify
+from metallic_paint import verify
+from metallic_paint.paint import shader
 
 SIZE = 64
 ROOT = Path(shader.__file__).resolve().parents[2]

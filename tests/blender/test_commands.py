@@ -16,7 +16,7 @@ import OpenImageIO
 import pytest
 from common.processes import ROOT, TOOLS
 from mathutils import Vector
-from metallic_paint import presets
+from metallic_paint.paint import presets
 from pictures import render
 
 QUICK = ("--width", 64, "--samples", 1)

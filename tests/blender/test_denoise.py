@@ -17,7 +17,11 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from metallic_paint import denoise, material, presets, scene_report, verify
+from metallic_paint import denoise, verify
+from metallic_paint.interface import denoise as interface
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import needs
+from metallic_paint.scene.report import report
 from recording import drawn
 from scenery import add_lamp, link_namesake, show_as_instance
 
@@ -27,7 +31,7 @@ SAMPLES, REFERENCE_SAMPLES = 32, 512
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    with panels.registered(denoise):
+    with panels.registered(interface):
         yield
 
 
@@ -107,8 +111,8 @@ def noise(first: np.ndarray, second: np.ndarray) -> float:
 
 def test_sparkles_pass_by_the_denoiser_and_noise_does_not() -> None:
     scene = build()
-    denoise.needs.fit(scene)
-    verify._write_floats(scene, "OPEN_EXR")
+    needs.fit(scene)
+    verify.write_floats(scene, "OPEN_EXR")
     reference = picture(scene, REFERENCE_SAMPLES, 99)
     sparkles = sparkles_alone(scene)
     simply = [plain(scene, SAMPLES, seed) for seed in (1, 2)]
@@ -145,7 +149,7 @@ def test_the_alpha_of_a_transparent_film_stays() -> None:
     scene.objects["Plane"].hide_render = True
     scene.cycles.samples = 4
     denoise.set_up(scene)
-    verify._write_floats(scene, "OPEN_EXR")
+    verify.write_floats(scene, "OPEN_EXR")
     scene.render.image_settings.color_mode = "RGBA"
     alpha = verify.render_channels(scene)["A"]
     assert alpha[0, 0] == 0
@@ -182,7 +186,7 @@ def add_plain_compositing(scene: bpy.types.Scene) -> None:
 
 def test_the_inverse_takes_everything_back(registered: None) -> None:
     scene = build()
-    denoise.needs.fit(scene)
+    needs.fit(scene)
     layer = scene.view_layers[0]
     scene.cycles.use_denoising = layer.use_pass_glossy_color = True
     scene.objects["Sun"].lightgroup = "Key"
@@ -192,7 +196,7 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
     for _ in range(2):  # once more renews
         assert bpy.ops.scene.metallic_paint_denoise() == {"FINISHED"}
     remover = "scene.metallic_paint_denoise_remove"
-    assert remover in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).names
+    assert remover in drawn(interface.MATERIAL_PT_metallic_paint_denoise).names
     assert not scene.cycles.use_denoising
     assert scene.objects["Sun"].lightgroup == "Key"
     assert scene.objects["Point"].lightgroup == denoise.LIGHT_GROUP
@@ -229,7 +233,7 @@ def test_without_the_add_on_of_cycles_nothing_is_set_up_or_taken_back(registered
             bpy.ops.scene.metallic_paint_denoise_remove()
         assert (
             "does not render with Cycles"
-            in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
+            in drawn(interface.MATERIAL_PT_metallic_paint_denoise).texts[-1]
         )
     finally:
         addon_utils.enable("cycles")
@@ -240,7 +244,7 @@ def test_a_set_up_that_breaks_off_changes_nothing(
     monkeypatch: pytest.MonkeyPatch, step: str
 ) -> None:
     scene = build()
-    denoise.needs.fit(scene)
+    needs.fit(scene)
     scene.cycles.use_denoising = True
     add_plain_compositing(scene)
     before = state(scene)
@@ -267,12 +271,12 @@ def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
 def test_what_came_since_is_told_until_one_presses_again(registered: None) -> None:
     scene = build()
     denoise.set_up(scene)
-    panel = denoise.MATERIAL_PT_metallic_paint_denoise
+    panel = interface.MATERIAL_PT_metallic_paint_denoise
 
     def told() -> str:
-        denoise.needs.fit(scene)
+        needs.fit(scene)
         found = denoise.outdated(scene)
-        warned = [text for level, text in scene_report.report(scene) if level == "WARNING"]
+        warned = [text for level, text in report(scene) if level == "WARNING"]
         assert [f"{found}."] * bool(found) == [text for text in warned if "does not know" in text]
         assert found.split() == " ".join(drawn(panel).texts[2:]).rstrip(".").split()
         return found
@@ -357,7 +361,7 @@ def test_an_artists_compositing_stays(registered: None) -> None:
     with pytest.raises(denoise.DenoiseError, match="Glare"):
         denoise.set_up(scene)
     assert state(scene) == before
-    assert "Glare" in drawn(denoise.MATERIAL_PT_metallic_paint_denoise).texts[-1]
+    assert "Glare" in drawn(interface.MATERIAL_PT_metallic_paint_denoise).texts[-1]
 
 
 def test_compositing_of_another_scene_is_the_artists() -> None:
@@ -418,11 +422,11 @@ def test_a_scene_without_lamps_is_denoised_too() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])
     denoise.set_up(scene)
-    verify._write_floats(scene, "OPEN_EXR")
+    verify.write_floats(scene, "OPEN_EXR")
     assert picture(scene, 2, 1).mean() > 0
 
 
 def test_registering_twice_is_possible(registered: None) -> None:
-    denoise.unregister()
-    denoise.register()
+    interface.unregister()
+    interface.register()
     assert hasattr(bpy.types, "MATERIAL_PT_metallic_paint_denoise")

@@ -14,7 +14,8 @@ import bpy
 import numpy as np
 import pytest
 from many_paints import ManyPaints, sockets_of
-from metallic_paint import lights, material, verify
+from metallic_paint import verify
+from metallic_paint.native import core_lights
 from metallic_paint.paint import (
     COATINGS,
     INT_MAX,
@@ -23,7 +24,9 @@ from metallic_paint.paint import (
     Flakes,
     Paint,
     core_paint,
+    material,
 )
+from metallic_paint.scene import lights
 from verification import scenes
 from verification.scenes import SILVER, SUN, Scene, lamp, sun
 
@@ -75,7 +78,7 @@ def check(shown: Shown, paint: Paint, geometry: verify.Geometry, frame: int = 0)
     hit = geometry.hit
     sound = shown.sound[hit]
     assert (sound == 1).all(), f"{(sound != 1).any(axis=-1).sum()} unsound pixels of {hit.sum()}"
-    slots = verify.core_lights()
+    slots = core_lights()
     if shown.radiance is not None:
         radiance = shown.radiance[hit]
         assert (np.isfinite(radiance) & (radiance >= 0)).all()

@@ -10,7 +10,7 @@ from pathlib import Path
 import OpenImageIO
 from common.processes import ROOT, TOOLS
 from common.report_folder import GALLERY
-from metallic_paint import presets
+from metallic_paint.paint import presets
 from pictures import gallery
 
 SECONDS = 120  # a gallery of one swatch that takes longer hangs

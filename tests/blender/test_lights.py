@@ -14,8 +14,8 @@ import numpy as np
 import OpenImageIO
 import pytest
 from mathutils import Euler, Matrix, Vector
-from metallic_paint import lights, material, needs, shader
-from metallic_paint.paint import Paint
+from metallic_paint.paint import Paint, material, shader
+from metallic_paint.scene import lights, needs
 from scenery import add_lamp, show_as_instance
 
 Place = Callable[..., bpy.types.Object]

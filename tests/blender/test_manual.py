@@ -15,8 +15,8 @@ import numpy as np
 import OpenImageIO
 import pytest
 from common.processes import ROOT, TOOLS
-from metallic_paint import material, presets, quality
-from metallic_paint.paint import PANELS, PARAMETERS, value_of
+from metallic_paint.paint import PANELS, PARAMETERS, material, presets, value_of
+from metallic_paint.scene import quality
 from pictures import manual, manual_pictures
 from pictures.manual import Strip
 

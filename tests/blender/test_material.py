@@ -11,16 +11,19 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
-from metallic_paint import lights, material, presets, shader
 from metallic_paint.paint import (
     PANELS,
     PARAMETERS,
     Flakes,
     Paint,
     PaintError,
+    material,
+    presets,
+    shader,
     shader_value,
     value_of,
 )
+from metallic_paint.scene import lights
 
 Render = Callable[[], np.ndarray]
 

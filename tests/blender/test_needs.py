@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from metallic_paint import lights, material, needs, verify
-from metallic_paint.paint import Paint
+from metallic_paint import verify
+from metallic_paint.paint import Paint, material
+from metallic_paint.scene import lights, needs
 from scenery import add_lamp, show_as_instance
 from verification import scenes
 

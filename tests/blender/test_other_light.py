@@ -11,8 +11,9 @@ import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
-from metallic_paint import needs, verify
+from metallic_paint import verify
 from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint
+from metallic_paint.scene import needs
 from verification import scenes
 
 SAMPLES = 160

@@ -15,7 +15,9 @@ import numpy as np
 import OpenImageIO
 import pytest
 from common import environments
-from metallic_paint import material, needs, presets, verify
+from metallic_paint import verify
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import needs
 from scenery import add_lamp
 
 SIZE = 64

@@ -11,7 +11,10 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from metallic_paint import material, needs, presets, quality, verify
+from metallic_paint import verify
+from metallic_paint.interface import quality as interface
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import needs, quality
 from recording import drawn
 from scenery import add_lamp
 
@@ -20,7 +23,7 @@ SIZE = 28
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    with panels.registered(quality):
+    with panels.registered(interface):
         yield
 
 
@@ -50,7 +53,7 @@ def build() -> bpy.types.Scene:
 
 def test_each_is_nearer_to_the_truth() -> None:
     scene = build()
-    verify._write_floats(scene, "OPEN_EXR")
+    verify.write_floats(scene, "OPEN_EXR")
     scene.cycles.sample_clamp_direct = 0.5  # would cut the sparkles
     verify.render(scene)  # compiles the shader
     pictures, seconds = {}, {}
@@ -141,5 +144,5 @@ def test_an_unknown_quality_and_another_engine_are_refused(registered: None) -> 
 
 def test_the_panel_has_three_buttons(registered: None) -> None:
     build()
-    buttons = drawn(quality.MATERIAL_PT_metallic_paint_quality).names
+    buttons = drawn(interface.MATERIAL_PT_metallic_paint_quality).names
     assert buttons.count("scene.metallic_paint_quality") == 3

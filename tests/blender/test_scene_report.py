@@ -14,7 +14,11 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from metallic_paint import denoise, lights, material, needs, presets, scene_report, verify
+from metallic_paint import denoise, verify
+from metallic_paint.interface import report as interface
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import lights, needs, sight
+from metallic_paint.scene.report import report
 from recording import drawn
 from scenery import add_lamp, link_paint, nest_paint, show_as_instance
 
@@ -23,7 +27,7 @@ SIZE = 64
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    with panels.registered(scene_report):
+    with panels.registered(interface):
         yield
 
 
@@ -48,7 +52,7 @@ def build(preset: str = "silver-coarse", radius: float = 0.02) -> bpy.types.Scen
 
 
 def said(scene: bpy.types.Scene, *levels: str) -> str:
-    found = scene_report.report(scene)
+    found = report(scene)
     return "\n".join(text for level, text in found if not levels or level in levels)
 
 
@@ -131,7 +135,7 @@ def test_clamping_that_cuts_is_named_with_its_value() -> None:
 def test_clamping_warns_exactly_where_it_cuts() -> None:
     scene = build()
     verify.make_noiseless(scene)
-    scene_report.report(scene)  # fits the paint
+    report(scene)  # fits the paint
     whole = verify.render(scene)
     warned = {}
     for clamp in (0.1, 1, 100):
@@ -320,7 +324,7 @@ def test_of_very_many_objects_the_largest_are_looked_at_and_the_rest_is_counted(
     scene = build()
     add_balls(99, painted=True)
     text = said(scene)
-    most = scene_report._effort(100, 102).objects
+    most = sight.effort_for(100, 102).objects
     assert f"Left out, being smaller in the picture: {100 - most} more painted surfaces." in text
     assert "Ball: " in text
     assert len(set(re.findall(r"^(?:Ball|Other \d+): ", text, re.MULTILINE))) == most
@@ -334,17 +338,17 @@ def test_few_rays_through_the_scene_tell_what_stands_before_an_object() -> None:
     )
     layer = scene.view_layers[0]
     few, all_ = (
-        scene_report.look(scene, layer, ball, ball.active_material, 1,
-                          scene_report.Effort(1, 40, tests))
+        sight.look(scene, layer, ball, ball.active_material, 1,
+                          sight.Effort(1, 40, tests))
         for tests in (100, 1600)
     )  # fmt: skip
     assert all_.raster[:, 0].max() < 0.6 * SIZE
     assert few.pixels == pytest.approx(all_.pixels, rel=0.05)
     assert np.median(few.footprint) == pytest.approx(np.median(all_.footprint), rel=0.02)
     bpy.context.object.location.x = 0
-    little = scene_report.Effort(1, 40, 8)
+    little = sight.Effort(1, 40, 8)
     with pytest.raises(ValueError, match="nothing of it, or little"):
-        scene_report.look(scene, layer, ball, ball.active_material, 1, little)
+        sight.look(scene, layer, ball, ball.active_material, 1, little)
 
 
 def test_curves_are_looked_at_by_their_polygons_and_materials() -> None:
@@ -354,7 +358,7 @@ def test_curves_are_looked_at_by_their_polygons_and_materials() -> None:
     bpy.ops.surface.primitive_nurbs_surface_sphere_add(radius=0.02)
     bpy.context.object.name = "Sphere"
     bpy.context.object.data.materials.append(painted)
-    seen = scene_report.look(scene, scene.view_layers[0], bpy.context.object, painted, 1)
+    seen = sight.look(scene, scene.view_layers[0], bpy.context.object, painted, 1)
     np.testing.assert_allclose(np.linalg.norm(seen.normal, axis=1), 1, atol=1e-5)
     outwards = seen.position / np.linalg.norm(seen.position, axis=1, keepdims=True)
     assert np.abs((outwards * seen.normal).sum(axis=1)).min() > 0.99
@@ -384,7 +388,7 @@ def test_what_is_hidden_in_the_viewport_is_told_of() -> None:
 
 def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:
     scene = build()
-    panel = scene_report.MATERIAL_PT_metallic_paint_report
+    panel = interface.MATERIAL_PT_metallic_paint_report
     assert drawn(panel).names == ["scene.metallic_paint_report"]
     assert not any(drawn(panel).texts)
     scene.cycles.sample_clamp_direct = 0.25

@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 import pytest
 from many_paints import LINKED, ManyPaints, link_to_property, sockets_of
-from metallic_paint import material, verify
-from metallic_paint.paint import Paint, Parameter
+from metallic_paint import verify
+from metallic_paint.paint import Paint, Parameter, material
 from verification import scenes
 
 SIZE = 32

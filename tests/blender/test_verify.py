@@ -11,8 +11,10 @@ import dataclasses
 import bpy
 import numpy as np
 import pytest
-from metallic_paint import lights, verify
+from metallic_paint import verify
+from metallic_paint.native import core_lights
 from metallic_paint.paint import core_paint
+from metallic_paint.scene import lights
 from verification import hashes, scenes
 
 SIZE = 48
@@ -23,7 +25,7 @@ def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
     scene = bpy.context.scene
     item = scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
-    geometry, slots = probe.geometry(), verify.core_lights()
+    geometry, slots = probe.geometry(), core_lights()
     paint = core_paint(spec.paint)
     in_use = [i for i, f in enumerate(spec.paint.species) if f.flakes_per_mm2 > 0]
     predicted = [verify.predict(paint, slots, geometry, "float", i) for i in in_use]
@@ -50,7 +52,7 @@ def test_a_wrong_prediction_is_found_out() -> None:
     scene = bpy.context.scene
     item = scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
-    geometry, slots = probe.geometry(), verify.core_lights()
+    geometry, slots = probe.geometry(), core_lights()
     paint = core_paint(dataclasses.replace(spec.paint, seed=spec.paint.seed + 1))
     predicted = verify.predict(paint, slots, geometry, "float")
     empty = np.zeros((SIZE, SIZE, 3), np.float32)

@@ -16,7 +16,14 @@ import bpy
 import numpy as np
 import panels
 import pytest
-from metallic_paint import material, presets, verify, verify_operator, verify_process
+from metallic_paint import verify
+from metallic_paint.interface import verify as interface
+from metallic_paint.native import core_missing
+from metallic_paint.paint import material, presets, shader
+from metallic_paint.verify import check
+from metallic_paint.verify.check import VerifyError, as_found
+from metallic_paint.verify.job import PICTURES, Job, painted_of, run, why_not
+from metallic_paint.verify.process import find
 from recording import drawn
 from scenery import add_lamp, link_namesake, link_paint, nest_paint, show_as_instance
 
@@ -25,7 +32,7 @@ SIZE = 40
 
 @pytest.fixture
 def registered() -> Iterator[None]:
-    with panels.registered(verify_operator):
+    with panels.registered(interface):
         yield
 
 
@@ -96,13 +103,13 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
     before = state()
     assert bpy.ops.scene.metallic_paint_verify(size=SIZE) == {"FINISHED"}
     assert state() == before
-    text = "\n".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    text = "\n".join(drawn(interface.MATERIAL_PT_metallic_paint_verify).texts)
     assert "Monkey, Metallic Paint (Scene): pixels " in text
     assert "agree with the core" in text
     assert "DO NOT" not in text
     shown, wanted, difference = (
         np.array(bpy.data.images[f"Metallic Paint {name}"].pixels).reshape(SIZE, SIZE, 4)[..., :3]
-        for name in verify_operator.PICTURES
+        for name in PICTURES
     )
     assert (shown.max(axis=-1) > 0).sum() > SIZE * SIZE / 20
     np.testing.assert_allclose(difference, 100 * np.abs(shown - wanted), atol=1e-4 * shown.max())
@@ -111,7 +118,7 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
 
 def test_the_numbers_are_those_of_every_pixel() -> None:
     scene = build()
-    found = verify_operator.run(scene, scene.objects["Monkey"], SIZE)
+    found = run(scene, scene.objects["Monkey"], SIZE)
     assert found.agrees, str(found)
     left, bottom, right, top = found.region
     assert (right - left, top - bottom) == (SIZE, SIZE)
@@ -127,7 +134,7 @@ def test_links_are_told_and_their_sockets_values_are_checked() -> None:
     checker = paint.node_tree.nodes.new("ShaderNodeTexChecker")
     node = material.paint_node(paint)
     paint.node_tree.links.new(checker.outputs["Color"], node.inputs["Flake Color"])
-    found = verify_operator.run(scene, scene.objects["Monkey"], SIZE)
+    found = run(scene, scene.objects["Monkey"], SIZE)
     assert found.agrees, str(found)
     assert "what is linked to Flake Color" in found.notes[0]
 
@@ -136,15 +143,13 @@ def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
     """The check of one process, where the core takes another paint than the shader."""
     scene = build()
     thing = scene.objects["Monkey"]
-    other = verify_operator.core_paint
-    verify_operator.core_paint = lambda paint, frame: other(paint, frame + 1)
+    other = check.core_paint
+    check.core_paint = lambda paint, frame: other(paint, frame + 1)
     try:
-        values = verify_operator.check(
-            scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None
-        )
+        values = check.check(scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None)
     finally:
-        verify_operator.core_paint = other
-    found = verify_operator._as_found(json.loads(json.dumps(values)))
+        check.core_paint = other
+    found = as_found(json.loads(json.dumps(values)))
     assert not found.agrees
     assert found.unexplained > 10
     assert "DO NOT agree" in str(found)
@@ -162,24 +167,24 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
     hidden = add_lamp("POINT", "Hidden", location=(0.2, -0.3, 0.3), hide_render=True)
     hidden.animation_data_create()  # may show it in another frame
     for lamp in (linked, own):
-        assert verify_process.find("objects", lamp.name_full) == lamp
+        assert find("objects", lamp.name_full) == lamp
     lit = []
-    image = verify_operator._Probe.image
+    image = check._Probe.image
 
     def watched(probe: object, diagnostic: int, *rest: int) -> np.ndarray:
         if diagnostic == verify.SPARKLES:
             lit.append([lamp for lamp in (own, linked, hidden) if not lamp.hide_render])
         return image(probe, diagnostic, *rest)
 
-    monkeypatch.setattr(verify_operator._Probe, "image", watched)
+    monkeypatch.setattr(check._Probe, "image", watched)
     thing = scene.objects["Monkey"]
-    verify_operator.check(scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None)
+    check.check(scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None)
     assert sorted(lit, key=lambda lamps: lamps != [own]) == [[own], [linked]]
 
 
 def test_progress_is_told_and_a_stopped_job_leaves_nothing() -> None:
     scene = build()
-    job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
+    job = Job(scene, scene.objects["Monkey"], SIZE)
     try:
         end = time.monotonic() + 120
         while job.progress == 0 and time.monotonic() < end:
@@ -211,7 +216,7 @@ class Manager(dict):
 @pytest.fixture
 def operator() -> Iterator[SimpleNamespace]:
     """The running operator, with events from the test."""
-    cls = verify_operator.SCENE_OT_metallic_paint_verify
+    cls = interface.SCENE_OT_metallic_paint_verify
     context = SimpleNamespace(window_manager=Manager())
     running = SimpleNamespace(_timer=None, reported=[])
     running.report = lambda kind, text: running.reported.append(text)
@@ -220,23 +225,23 @@ def operator() -> Iterator[SimpleNamespace]:
         running, context, SimpleNamespace(type=kind, value=value)
     )
     yield running
-    while verify_operator._running:
-        verify_operator._running.pop().close()
+    while interface._running:
+        interface._running.pop().close()
 
 
 def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
     registered: None, operator: SimpleNamespace
 ) -> None:
     scene = build()
-    verify_operator._running.append(verify_operator.Job(scene, scene.objects["Monkey"], SIZE))
+    interface._running.append(Job(scene, scene.objects["Monkey"], SIZE))
     assert operator.send("MOUSEMOVE") == {"PASS_THROUGH"}
-    assert "Esc stops" in drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts[-1]
+    assert "Esc stops" in drawn(interface.MATERIAL_PT_metallic_paint_verify).texts[-1]
     end = time.monotonic() + 120
     while (said := operator.send("TIMER")) == {"PASS_THROUGH"} and time.monotonic() < end:
         time.sleep(0.05)
     assert said == {"FINISHED"}
     assert "agree with the core" in operator.reported[0]
-    assert not verify_operator._running
+    assert not interface._running
     assert "Metallic Paint Core" in bpy.data.images
 
 
@@ -251,20 +256,20 @@ def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
 
     closed = []
     job = SimpleNamespace(poll=lambda: True, pictures=pictures, close=lambda: closed.append(True))
-    verify_operator._running.append(job)
+    interface._running.append(job)
     assert operator.send("TIMER") == {"CANCELLED"}
     assert operator.reported == [str(error)]
     assert closed
-    assert not verify_operator._running
+    assert not interface._running
 
 
 def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     scene = build()
-    job = verify_operator.Job(scene, scene.objects["Monkey"], SIZE)
-    verify_operator._running.append(job)
+    job = Job(scene, scene.objects["Monkey"], SIZE)
+    interface._running.append(job)
     assert operator.send("ESC", "RELEASE") == {"PASS_THROUGH"}  # of the key that closed a menu
     assert operator.send("ESC") == {"CANCELLED"}
-    assert not verify_operator._running
+    assert not interface._running
     assert not job.folder.exists()
     assert job._process.returncode is not None
 
@@ -273,22 +278,22 @@ def test_what_shows_as_instances_alone_is_said() -> None:
     scene = build()
     thing = scene.objects["Monkey"]
     thing.hide_render = True
-    with pytest.raises(verify_operator.VerifyError, match=r"Monkey does not render\."):
-        verify_operator.run(scene, thing, SIZE)
+    with pytest.raises(VerifyError, match=r"Monkey does not render\."):
+        run(scene, thing, SIZE)
     thing.hide_render = False
     show_as_instance(thing)
-    with pytest.raises(verify_operator.VerifyError, match="but as instances, of which nothing can"):
-        verify_operator.run(scene, thing, SIZE)
+    with pytest.raises(VerifyError, match="but as instances, of which nothing can"):
+        run(scene, thing, SIZE)
 
 
 def test_a_linked_paint_is_refused_as_it_keeps_the_lights_of_its_file(tmp_path: Path) -> None:
     scene = build()
     thing = scene.objects["Monkey"]
     link_paint(thing, tmp_path / "theirs.blend")
-    said = verify_operator.why_not(scene, thing)
+    said = why_not(scene, thing)
     assert re.search(r"linked from .*theirs\.blend and keeps its lights: check it in that", said)
-    with pytest.raises(verify_operator.VerifyError, match="keeps its lights"):
-        verify_operator.run(scene, thing, SIZE)
+    with pytest.raises(VerifyError, match="keeps its lights"):
+        run(scene, thing, SIZE)
 
 
 def test_a_paint_within_a_node_group_is_told_of_and_a_plain_one_is_taken() -> None:
@@ -297,10 +302,10 @@ def test_a_paint_within_a_node_group_is_told_of_and_a_plain_one_is_taken() -> No
     plain = thing.active_material.copy()
     nest_paint(thing.active_material)
     said = "The paint stands within a node group, where it cannot be checked"
-    assert verify_operator.why_not(scene, thing) == said
+    assert why_not(scene, thing) == said
     thing.data.materials.append(plain)
-    assert verify_operator.why_not(scene, thing) == ""
-    assert verify_operator._painted(thing) == plain
+    assert why_not(scene, thing) == ""
+    assert painted_of(thing) == plain
 
 
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -316,13 +321,13 @@ def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.Mo
         bpy.ops.scene.metallic_paint_verify()
     node.inputs["Tilt"].default_value = 0.1
     node.node_tree["metallic_paint_source"] = "of yesterday"
-    with pytest.raises(verify_operator.VerifyError, match="of an older version"):
-        verify_operator.run(scene, thing, SIZE)
-    node.node_tree["metallic_paint_source"] = material.digest(verify_operator.shader.source())
+    with pytest.raises(VerifyError, match="of an older version"):
+        run(scene, thing, SIZE)
+    node.node_tree["metallic_paint_source"] = material.digest(shader.source())
     for lamp in [each for each in scene.objects if each.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
-    with pytest.raises(verify_operator.VerifyError, match="No sun, spot or point light renders"):
-        verify_operator.run(scene, thing, SIZE)
+    with pytest.raises(VerifyError, match="No sun, spot or point light renders"):
+        run(scene, thing, SIZE)
     with pytest.raises(RuntimeError, match="No sun, spot or point light renders"):
         bpy.ops.scene.metallic_paint_verify()
     scene.camera = None
@@ -331,7 +336,7 @@ def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
     with pytest.raises(RuntimeError, match=r"no native module .* The paint works without it"):
         bpy.ops.scene.metallic_paint_verify()
-    shown = " ".join(drawn(verify_operator.MATERIAL_PT_metallic_paint_verify).texts)
+    shown = " ".join(drawn(interface.MATERIAL_PT_metallic_paint_verify).texts)
     assert "no native module" in shown
     assert "works without it" in shown
 
@@ -343,6 +348,6 @@ def test_why_a_native_module_does_not_load_is_said(
     (tmp_path / "metallic_paint_core.py").write_text("raise ImportError('GLIBC too old')")
     monkeypatch.delitem(sys.modules, "metallic_paint_core", raising=False)
     monkeypatch.syspath_prepend(tmp_path)
-    assert verify.core_missing() == (
+    assert core_missing() == (
         "The native module metallic_paint_core cannot be loaded: GLIBC too old."
     )

@@ -10,8 +10,9 @@ import metallic_paint_core as core
 import numpy as np
 import pytest
 from measure import goniophotometer
-from metallic_paint import lights, material, needs, presets, verify
-from metallic_paint.paint import Flakes, Paint, core_paint
+from metallic_paint import verify
+from metallic_paint.paint import Flakes, Paint, core_paint, material, presets
+from metallic_paint.scene import lights, needs
 from verification import scenes
 
 SIZE = 64

@@ -39,7 +39,7 @@ def undefined_nodes() -> list[str]:
 
 
 def test_copied_material_has_values_of_its_own(addon: Addon, painted: bpy.types.Object) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     first = painted.active_material
     second = first.copy()
     second.name = "Renamed"
@@ -59,7 +59,7 @@ def test_many_paints_share_one_group_and_one_set_of_lights(
     bpy.ops.material.metallic_paint_new(preset="silver-fine")
     assert len(bpy.data.materials) == 4
     assert len(groups("metallic_paint")) == 1
-    assert len(addon("lights").groups()) == 1
+    assert len(addon("scene.lights").groups()) == 1
 
 
 def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.types.Object) -> None:
@@ -72,15 +72,17 @@ def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.type
     bpy.ops.object.collection_instance_add(collection="Parts")
     sun = add_sun()
     bpy.context.view_layer.update()
-    assert addon("lights").values()
-    assert "no sparkles from" not in addon("needs").said()
+    assert addon("scene.lights").values()
+    assert "no sparkles from" not in addon("scene.needs").said()
     collection.objects.link(sun)
     bpy.context.view_layer.update()
-    assert "no sparkles from" not in addon("needs").said()  # it shines where it stands as well
+    assert (
+        "no sparkles from" not in addon("scene.needs").said()
+    )  # it shines where it stands as well
     spare = bpy.data.objects.new("Spare", bpy.data.lights.new("Spare", "SUN"))
     collection.objects.link(spare)  # which shines in the instance alone
     bpy.context.view_layer.update()
-    assert "no sparkles from Spare: an instanced light" in addon("needs").said()
+    assert "no sparkles from Spare: an instanced light" in addon("scene.needs").said()
 
 
 @pytest.mark.parametrize("link", [True, False])
@@ -101,11 +103,11 @@ def test_paint_from_another_file(
     theirs = bpy.data.materials["Theirs"]
     bpy.data.objects["Cube"].data.materials.append(theirs)
     bpy.context.view_layer.update()
-    assert addon("material").paint_of(theirs) == addon("presets").load("gold")
-    assert "light 1: Our Sun" in addon("needs").said()
-    assert "Their Sun" not in addon("needs").said()
-    assert ("do not see these lights" in addon("needs").said()) == link
-    own = addon("lights").groups()
+    assert addon("paint.material").paint_of(theirs) == addon("paint.presets").load("gold")
+    assert "light 1: Our Sun" in addon("scene.needs").said()
+    assert "Their Sun" not in addon("scene.needs").said()
+    assert ("do not see these lights" in addon("scene.needs").said()) == link
+    own = addon("scene.lights").groups()
     assert len(own) == 1
     slots = {
         node.node_tree
@@ -151,7 +153,7 @@ def test_appended_paint_leaves_the_lamps_of_its_file_behind(addon: Addon, theirs
     assert append(theirs, "Material", "Theirs") == ["Cube"]
     assert not [thing.name for thing in bpy.data.objects if thing.name != "Cube"]
     add_sun("Our Sun")
-    assert addon("lights").in_slots() == [bpy.data.objects["Our Sun"]]
+    assert addon("scene.lights").in_slots() == [bpy.data.objects["Our Sun"]]
 
 
 @pytest.mark.parametrize("kind", ["Material", "NodeTree"])
@@ -166,9 +168,9 @@ def test_appended_paints_share_the_shader(addon: Addon, theirs: Path, kind: str)
         bpy.context.view_layer.update()
     more = 0 if kind == "Material" else 2
     assert len(groups("metallic_paint")) == len(bpy.data.texts) == 1 + more
-    assert len(addon("lights").groups()) == 1
-    paint = addon("presets").load("gold")
-    assert all(addon("material").paint_of(each) == paint for each in bpy.data.materials)
+    assert len(addon("scene.lights").groups()) == 1
+    paint = addon("paint.presets").load("gold")
+    assert all(addon("paint.material").paint_of(each) == paint for each in bpy.data.materials)
 
 
 def test_appended_object_brings_what_it_needs_itself(addon: Addon, theirs: Path) -> None:
@@ -177,7 +179,7 @@ def test_appended_object_brings_what_it_needs_itself(addon: Addon, theirs: Path)
 
 def test_lamps_that_were_asked_for_come_along(addon: Addon, theirs: Path) -> None:
     assert append(theirs, "Collection", "Set") == ["Cube", "Mirror", "Rig", "Sphere", "Their Sun"]
-    assert addon("lights").in_slots() == [bpy.data.objects["Their Sun"]]
+    assert addon("scene.lights").in_slots() == [bpy.data.objects["Their Sun"]]
 
 
 def test_pasted_object_does_not_bring_the_lamps_a_second_time(
@@ -192,7 +194,7 @@ def test_pasted_object_does_not_bring_the_lamps_a_second_time(
     assert sorted(thing.name for thing in bpy.context.scene.objects) == [
         "Sphere", "Sphere.001", "Sun",
     ]  # fmt: skip
-    assert addon("lights").in_slots() == [sun]
+    assert addon("scene.lights").in_slots() == [sun]
 
 
 def test_file_with_only_a_linked_paint_is_left_alone(
@@ -205,7 +207,7 @@ def test_file_with_only_a_linked_paint_is_left_alone(
         into.objects = ["Sphere"]
     bpy.context.scene.collection.objects.link(into.objects[0])
     add_sun()
-    assert addon("lights").groups() == []
+    assert addon("scene.lights").groups() == []
 
 
 def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_path: Path) -> None:
@@ -214,10 +216,10 @@ def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_p
     bpy.ops.wm.save_as_mainfile(filepath=file)
     bpy.ops.wm.open_mainfile(filepath=file)
     painted = bpy.data.objects["Sphere"].active_material
-    assert addon("material").paint_of(painted) == addon("presets").load("gold")
-    assert addon("lights").values()
+    assert addon("paint.material").paint_of(painted) == addon("paint.presets").load("gold")
+    assert addon("scene.lights").values()
     assert undefined_nodes() == []
-    assert addon("lights").groups()[0].animation_data.drivers[0].is_valid
+    assert addon("scene.lights").groups()[0].animation_data.drivers[0].is_valid
 
 
 RENDER = """

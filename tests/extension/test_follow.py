@@ -27,7 +27,7 @@ def painted() -> bpy.types.Object:
 @pytest.fixture
 def fits(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Grows with each fit."""
-    needs, counted = addon("needs"), []
+    needs, counted = addon("scene.needs"), []
     fit = needs.fit
     monkeypatch.setattr(needs, "fit", lambda scene: counted.append(scene.name) or fit(scene))
     return counted
@@ -47,7 +47,7 @@ def add(kind: str, name: str, x: float = 0) -> bpy.types.Object:
 
 def slots(addon: Addon) -> list[str]:
     """The names that the last fit told of."""
-    lines = addon("needs").said().splitlines()
+    lines = addon("scene.needs").said().splitlines()
     return [line.partition(": ")[2] for line in lines if line.startswith("light ")]
 
 
@@ -61,7 +61,7 @@ def call(name: str) -> None:
 def test_new_lights_get_slots(addon: Addon) -> None:
     for number, kind in enumerate(("SUN", "POINT", "SPOT"), 1):
         add(kind, kind)
-        assert len(addon("lights").values()) == number
+        assert len(addon("scene.lights").values()) == number
     assert slots(addon) == ["POINT", "SPOT", "SUN"]
 
 
@@ -69,7 +69,7 @@ def test_deleted_lights_leave_their_slot(addon: Addon) -> None:
     lamp = add("SUN", "Sun")
     bpy.data.objects.remove(lamp)
     update()
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
 
 
 def test_light_of_the_same_name_takes_over(addon: Addon) -> None:
@@ -78,7 +78,7 @@ def test_light_of_the_same_name_takes_over(addon: Addon) -> None:
     bpy.data.objects.remove(lamp)
     bpy.data.lights.remove(data)
     add("POINT", "Lamp", 5)
-    [(_, vector, _)] = addon("lights").values()
+    [(_, vector, _)] = addon("scene.lights").values()
     assert vector.x == 5
 
 
@@ -87,7 +87,7 @@ def test_light_with_other_data_takes_its_radius(addon: Addon) -> None:
     lamp.data = bpy.data.lights.new("Other", "POINT")
     lamp.data.shadow_soft_size = 0.75
     update()
-    [(_, _, size)] = addon("lights").values()
+    [(_, _, size)] = addon("scene.lights").values()
     assert size == 0.75
 
 
@@ -96,24 +96,24 @@ def test_renamed_lights_move(addon: Addon) -> None:
     lamp.name = "C"
     update()
     assert slots(addon) == ["B", "C"]
-    assert [round(vector.x) for _, vector, _ in addon("lights").values()] == [2, 1]
+    assert [round(vector.x) for _, vector, _ in addon("scene.lights").values()] == [2, 1]
 
 
 def test_type_changes_follow(addon: Addon) -> None:
     lamp = add("SUN", "Lamp")
     lamp.data.type = "POINT"
     update()
-    assert addon("lights").values()[0][0] == addon("lights").POSITIONED
+    assert addon("scene.lights").values()[0][0] == addon("scene.lights").POSITIONED
     lamp.data.type = "AREA"
     update()
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
 
 
 def test_hidden_lights_leave_their_slot(addon: Addon) -> None:
     lamp = add("SUN", "Sun")
     lamp.hide_render = True
     update()
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
     lamp.hide_render = False
     update()
     assert slots(addon) == ["Sun"]
@@ -129,7 +129,7 @@ def test_excluded_collections_take_their_lights_along(addon: Addon) -> None:
     assert slots(addon) == ["Sun"]
     bpy.context.view_layer.layer_collection.children["Lamps"].exclude = True
     update()
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
 
 
 def test_lights_linked_from_another_file(addon: Addon, tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_lights_linked_from_another_file(addon: Addon, tmp_path: Path) -> None:
         into.objects = ["Theirs"]
     bpy.context.scene.collection.objects.link(into.objects[0])
     update()
-    [(_, vector, _)] = addon("lights").values()
+    [(_, vector, _)] = addon("scene.lights").values()
     assert vector.x == 3
 
 
@@ -155,7 +155,7 @@ def test_parented_and_animated_lights_follow_their_parent(addon: Addon) -> None:
     update()
     for frame, x in ((1, 0), (11, 10)):
         bpy.context.scene.frame_set(frame)
-        [(_, vector, _)] = addon("lights").values()
+        [(_, vector, _)] = addon("scene.lights").values()
         assert vector.x == pytest.approx(x)
 
 
@@ -179,7 +179,7 @@ def test_moving_a_light_needs_the_drivers_alone(
     fits.clear()
     lamp.location.x = 7
     update()
-    [(_, vector, _)] = addon("lights").values()
+    [(_, vector, _)] = addon("scene.lights").values()
     assert round(vector.x, 5) == 7
     assert fits == []
 
@@ -188,7 +188,7 @@ def test_a_new_size_of_a_light_is_noticed(addon: Addon, painted: bpy.types.Objec
     sun, lamp = add("SUN", "A sun"), add("POINT", "Lamp", 1)
     sun.data.angle, lamp.data.shadow_soft_size = 0.2, 0.75
     update()
-    sizes = [size for _, _, size in addon("lights").values()]
+    sizes = [size for _, _, size in addon("scene.lights").values()]
     assert sizes == pytest.approx([math.sin(0.1), 0.75])
 
 
@@ -219,18 +219,18 @@ def test_a_stronger_light_leaves_the_paints_alone(
 def test_world_and_neighbours_are_noticed(addon: Addon) -> None:
     bpy.context.scene.cycles.max_bounces = 0
     add("SUN", "Sun")
-    assert "The flakes show no world" in addon("needs").said()
+    assert "The flakes show no world" in addon("scene.needs").said()
     world = bpy.data.worlds.new("World")
     if world.node_tree is None:
         world.use_nodes = True  # Blender 4.5
     world.node_tree.nodes["Background"].inputs["Strength"].default_value = 1
     bpy.context.scene.world = world
     update()
-    assert "The flakes also show the world" in addon("needs").said()
+    assert "The flakes also show the world" in addon("scene.needs").said()
     bpy.context.scene.world = None
     bpy.context.scene.cycles.max_bounces = 4
     bpy.ops.mesh.primitive_cube_add()
-    assert "their neighbours" in addon("needs").said()
+    assert "their neighbours" in addon("scene.needs").said()
 
 
 def test_emitting_materials_are_noticed(addon: Addon) -> None:
@@ -241,20 +241,20 @@ def test_emitting_materials_are_noticed(addon: Addon) -> None:
         glow.use_nodes = True  # Blender 4.5
     bpy.context.object.data.materials.append(glow)
     update()
-    assert "objects that may emit" not in addon("needs").said()
+    assert "objects that may emit" not in addon("scene.needs").said()
     glow.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 1
     update()
-    assert "objects that may emit" in addon("needs").said()
+    assert "objects that may emit" in addon("scene.needs").said()
 
 
 def test_dented_mesh_shows_itself(addon: Addon, painted: bpy.types.Object) -> None:
     add("SUN", "Sun")
-    assert "the paint itself" not in addon("needs").said()
+    assert "the paint itself" not in addon("scene.needs").said()
     top = max(painted.data.vertices, key=lambda vertex: vertex.co.z)
     top.co.z = -0.5
     painted.data.update()
     update()
-    assert "the paint itself" in addon("needs").said()
+    assert "the paint itself" in addon("scene.needs").said()
 
 
 def test_nothing_is_fitted_twice_or_without_reason(fits: list[str]) -> None:
@@ -296,7 +296,7 @@ def test_opened_file_is_fitted_if_it_was_changed_elsewhere(addon: Addon, tmp_pat
     file = str(tmp_path / "a.blend")
     bpy.ops.wm.save_as_mainfile(filepath=file)
     addon_utils.enable(NAME)
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
     bpy.ops.wm.open_mainfile(filepath=file)
     assert slots(addon) == ["Sun"]
 
@@ -306,7 +306,7 @@ def test_other_painted_scene_gets_its_own_lights(addon: Addon, painted: bpy.type
     bpy.context.window.scene = bpy.data.scenes.new("Other")
     bpy.context.scene.collection.objects.link(painted)
     update()
-    assert addon("lights").values() == []
+    assert addon("scene.lights").values() == []
     bpy.context.window.scene = bpy.data.scenes["Scene"]
     bpy.ops.object.empty_add()
     assert slots(addon) == ["Sun"]
@@ -330,7 +330,7 @@ def test_scene_without_paint_leaves_the_lights_to_the_one_that_was_fitted(
 def test_nothing_happens_while_rendering(
     addon: Addon, fits: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(addon("follow"), "REST_SECONDS", 0)
+    monkeypatch.setattr(addon("scene.follow"), "REST_SECONDS", 0)
     scene = bpy.context.scene
     bpy.ops.object.camera_add(location=(0, 0, 5))
     scene.camera = bpy.context.object
@@ -343,7 +343,7 @@ def test_nothing_happens_while_rendering(
         before = len(fits)
         scene.world = bpy.data.worlds.new("World")
         call("depsgraph_update_post")
-        addon("follow").follow()
+        addon("scene.follow").follow()
         during.append(len(fits) - before)
 
     bpy.app.handlers.render_pre.append(watch)
@@ -362,14 +362,14 @@ def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> set[str]:
     app = SimpleNamespace(
         background=False, timers=bpy.app.timers, is_job_running=lambda kind: kind in running
     )
-    monkeypatch.setattr(addon("follow"), "bpy", SimpleNamespace(app=app, context=bpy.context))
+    monkeypatch.setattr(addon("scene.follow"), "bpy", SimpleNamespace(app=app, context=bpy.context))
     return running
 
 
 def test_with_a_window_the_timer_fits_once_the_scene_rests(
     addon: Addon, fits: list[str], jobs: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    follow = addon("follow")
+    follow = addon("scene.follow")
     assert bpy.app.timers.is_registered(follow.follow)
     add("SUN", "Sun")
     add("SUN", "Sun 2")
@@ -392,7 +392,7 @@ def test_a_direct_fit_is_not_answered_by_another(addon: Addon, fits: list[str]) 
 def test_lights_that_stay_keep_their_drivers(addon: Addon) -> None:
     """Blender prepares all paints anew when these change."""
     add("SUN", "Sun")
-    group = addon("lights").node_group()
+    group = addon("scene.lights").node_group()
     drivers = [curve.as_pointer() for curve in group.animation_data.drivers]
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.scene.metallic_paint_update_lights()
@@ -404,14 +404,14 @@ def test_lights_that_stay_keep_their_drivers(addon: Addon) -> None:
 def test_with_a_window_the_job_tells_that_a_render_ended(
     addon: Addon, jobs: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(addon("follow"), "REST_SECONDS", 0)
+    monkeypatch.setattr(addon("scene.follow"), "REST_SECONDS", 0)
     jobs.add("RENDER")
     call("render_init")
     add("SUN", "Sun")
-    addon("follow").follow()
+    addon("scene.follow").follow()
     assert slots(addon) == []
     jobs.clear()  # it failed: neither render_complete nor render_cancel
-    addon("follow").follow()
+    addon("scene.follow").follow()
     assert slots(addon) == ["Sun"]
 
 
@@ -442,7 +442,7 @@ def test_another_scene_is_rendered_with_its_own_lights(
     for thing in (painted, lamp, camera):
         other.collection.objects.link(thing)
     other.camera = camera
-    addon("material").set_up_cycles(other)
+    addon("paint.material").set_up_cycles(other)
     other.render.resolution_x = other.render.resolution_y = other.cycles.samples = 1
     assert slots(addon) == ["Sun"]
     during: list[list[str]] = []
@@ -477,8 +477,8 @@ def test_undo_and_redo_bring_lights_and_paints_back(
     places = [[], [1], [4], []]
 
     def seen() -> list[int]:
-        values = addon("lights").values()
-        assert addon("needs").is_fitted(bpy.context.scene)
+        values = addon("scene.lights").values()
+        assert addon("scene.needs").is_fitted(bpy.context.scene)
         assert len(values) == len(slots(addon))
         return [round(vector.x) for _, vector, _ in values]
 
@@ -500,13 +500,13 @@ def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
     bpy.ops.ed.undo()
     assert bpy.context.object.active_material is None
     bpy.ops.ed.redo()
-    paint = addon("material").paint_of(bpy.context.object.active_material)
-    assert paint == addon("presets").load("gold")
+    paint = addon("paint.material").paint_of(bpy.context.object.active_material)
+    assert paint == addon("paint.presets").load("gold")
 
 
 @pytest.mark.parametrize("step", ["undo", "redo"])
 def test_what_undo_may_free_is_not_pointed_at(addon: Addon, step: str) -> None:
-    lamp, lights, needs = add("POINT", "Lamp", 1), addon("lights"), addon("needs")
+    lamp, lights, needs = add("POINT", "Lamp", 1), addon("scene.lights"), addon("scene.needs")
     before = lights.values()
     call(f"{step}_pre")
     group = lights.node_group()

@@ -30,10 +30,10 @@ def ours() -> dict[str, int]:
 
 
 def test_zip_holds_what_the_paint_needs(installed: Path, addon: Addon) -> None:
-    assert "stdcycles.h" in addon("shader").source()
+    assert "stdcycles.h" in addon("paint.shader").source()
     assert (installed / "osl").is_dir()
-    assert len(addon("presets").names()) >= 24
-    for name in addon("presets").names():
+    assert len(addon("paint.presets").names()) >= 24
+    for name in addon("paint.presets").names():
         assert (installed / "swatches" / f"{name}.jpg").is_file(), name
     assert (installed / "LICENSES" / "GPL-3.0-or-later.txt").is_file()
     assert not list(installed.rglob("tests"))

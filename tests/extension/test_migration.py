@@ -57,18 +57,18 @@ def update() -> None:
 
 
 def test_values_are_copied_by_label(addon: Addon, old: bpy.types.Material) -> None:
-    assert addon("migration").has_outdated()
+    assert addon("paint.migration").has_outdated()
     update()
-    assert not addon("migration").has_outdated()
+    assert not addon("paint.migration").has_outdated()
     expected = addon("paint").Paint(tilt=0.25, flake_color=(0.1, 0.2, 0.3), seed=7)
-    assert addon("material").paint_of(old) == expected  # IOR, once a colour, has its default
+    assert addon("paint.material").paint_of(old) == expected  # IOR, once a colour, has its default
 
 
 def test_links_are_kept(
     addon: Addon, old: bpy.types.Material, capfd: pytest.CaptureFixture[str]
 ) -> None:
     update()
-    node = addon("material").paint_node(old)
+    node = addon("paint.material").paint_node(old)
     assert node.inputs["Normal"].links[0].from_node.type == "BUMP"
     assert node.outputs["BSDF"].links[0].to_node.type == "OUTPUT_MATERIAL"
     assert sum(socket.is_linked for socket in node.inputs) == 1
@@ -85,7 +85,7 @@ def test_keys_and_drivers_are_kept(
     node.inputs["Glitter"].keyframe_insert("default_value", frame=1)
     node.inputs["Seed"].driver_add("default_value").driver.expression = "40 + 2"
     update()
-    node = addon("material").paint_node(old)
+    node = addon("paint.material").paint_node(old)
     for frame, tilt in ((1, 0.1), (11, 0.3)):
         bpy.context.scene.frame_set(frame)
         evaluated = old.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -130,7 +130,7 @@ def test_paints_inside_groups_are_updated(addon: Addon, old: bpy.types.Material)
     outer.node_tree = wrapper
     update()
     [inner] = wrapper.nodes
-    assert inner.node_tree == addon("material").node_group()
+    assert inner.node_tree == addon("paint.material").node_group()
     assert inner.inputs["Seed"].default_value == 5
 
 
@@ -139,22 +139,22 @@ def test_group_that_only_a_fake_user_holds_is_no_reason_to_update(
 ) -> None:
     old.node_tree.nodes["Paint"].node_tree.use_fake_user = True
     update()
-    assert not addon("migration").has_outdated()
+    assert not addon("paint.migration").has_outdated()
 
 
 def test_paint_of_a_future_version_stays(addon: Addon, old: bpy.types.Material) -> None:
     group = old.node_tree.nodes["Paint"].node_tree
-    group["metallic_paint"] = addon("material").VERSION + 1
-    assert not addon("migration").has_outdated()
+    group["metallic_paint"] = addon("paint.material").VERSION + 1
+    assert not addon("paint.migration").has_outdated()
 
 
 def test_same_version_with_another_shader_is_updated(addon: Addon) -> None:
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.material.metallic_paint_new(preset="gold")
     painted = bpy.context.object.active_material
-    addon("material").paint_node(painted).node_tree["metallic_paint_source"] = "older"
+    addon("paint.material").paint_node(painted).node_tree["metallic_paint_source"] = "older"
     update()
-    assert addon("material").paint_of(painted) == addon("presets").load("gold")
+    assert addon("paint.material").paint_of(painted) == addon("paint.presets").load("gold")
 
 
 def test_linked_paints_stay_and_are_told_of(
@@ -167,7 +167,7 @@ def test_linked_paints_stay_and_are_told_of(
         into.materials = ["Old"]
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.active_material = bpy.data.materials["Old"]
-    assert not addon("migration").has_outdated()
+    assert not addon("paint.migration").has_outdated()
     ours = bpy.data.materials.new("Ours")
     if ours.node_tree is None:
         ours.use_nodes = True  # Blender 4.5

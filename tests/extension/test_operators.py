@@ -63,14 +63,14 @@ def test_new_paint_takes_the_active_slot(addon: Addon, cube: bpy.types.Object) -
     assert cube.data.materials[0] == first
     painted = cube.data.materials[1]
     assert painted.name == "Candy Red"
-    assert addon("material").paint_of(painted) == addon("presets").load("candy-red")
+    assert addon("paint.material").paint_of(painted) == addon("paint.presets").load("candy-red")
 
 
 def test_new_paint_knows_the_lights(addon: Addon, cube: bpy.types.Object) -> None:
     bpy.ops.object.light_add(type="SUN")
     bpy.context.view_layer.objects.active = cube
     bpy.ops.material.metallic_paint_new()
-    assert len(addon("lights").values()) == 1
+    assert len(addon("scene.lights").values()) == 1
 
 
 def test_new_paint_switches_nothing(cube: bpy.types.Object) -> None:
@@ -115,7 +115,9 @@ def test_new_paint_takes_an_objects_own_slot_over_linked_data(
         bpy.ops.material.metallic_paint_new()
     thing.material_slots[0].link = "OBJECT"
     assert bpy.ops.material.metallic_paint_new(preset="lime") == {"FINISHED"}
-    assert addon("material").paint_of(thing.active_material) == addon("presets").load("lime")
+    assert addon("paint.material").paint_of(thing.active_material) == addon("paint.presets").load(
+        "lime"
+    )
 
 
 @pytest.mark.parametrize(
@@ -137,7 +139,7 @@ def test_new_paint_takes_every_kind_of_surface(
     bpy.context.scene.collection.objects.link(thing)
     bpy.context.view_layer.objects.active = thing
     assert bpy.ops.material.metallic_paint_new() == {"FINISHED"}
-    assert addon("material").paint_node(thing.active_material)
+    assert addon("paint.material").paint_node(thing.active_material)
 
 
 def test_new_paint_of_a_bad_preset_changes_nothing(cube: bpy.types.Object) -> None:
@@ -155,7 +157,7 @@ def test_paint_node_joins_the_material(addon: Addon, editor: bpy.types.Area) -> 
     before = len(tree.nodes)
     assert bpy.ops.node.metallic_paint_add() == {"FINISHED"}
     assert len(tree.nodes) == before + 1
-    assert addon("material").is_paint(tree.nodes.active)
+    assert addon("paint.material").is_paint(tree.nodes.active)
     assert [node for node in tree.nodes if node.select] == [tree.nodes.active]
 
 
@@ -171,7 +173,7 @@ def test_paint_node_refuses_a_world(editor: bpy.types.Area) -> None:
 
 
 def test_paint_node_refuses_to_stand_in_a_paint(addon: Addon, editor: bpy.types.Area) -> None:
-    for group in (addon("material").node_group(), addon("lights").node_group()):
+    for group in (addon("paint.material").node_group(), addon("scene.lights").node_group()):
         editor.spaces.active.node_tree = group
         with pytest.raises(RuntimeError, match="cannot stand within a paint"):
             bpy.ops.node.metallic_paint_add()
@@ -190,12 +192,12 @@ def uncompiled(
         raise PermissionError(13, "Permission denied", "/tmp/a")
 
     if request.param == "no folder":
-        monkeypatch.setattr(addon("shader").tempfile, "TemporaryFile", refuse)
+        monkeypatch.setattr(addon("paint.shader").tempfile, "TemporaryFile", refuse)
         return "The paint's shader cannot be compiled: .*Permission denied"
-    monkeypatch.setattr(addon("shader"), "source", lambda: "shader broken(")
+    monkeypatch.setattr(addon("paint.shader"), "source", lambda: "shader broken(")
     if request.param == "compiler":
         return r"metallic_paint.osl[.\d]* does not compile as OSL"
-    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
+    monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)
     return "This Blender was built without Open Shading Language"
 
 
@@ -230,10 +232,10 @@ def test_paint_node_that_does_not_compile_leaves_nothing(
 def older(addon: Addon, cube: bpy.types.Object) -> bpy.types.ShaderNodeGroup:
     """An animated paint of an older shader, made before the compiler fails."""
     bpy.ops.material.metallic_paint_new()
-    node = addon("material").paint_node(cube.active_material)
+    node = addon("paint.material").paint_node(cube.active_material)
     node.inputs["Tilt"].keyframe_insert("default_value", frame=1)
     node.node_tree["metallic_paint_source"] = "older"
-    assert addon("migration").has_outdated()
+    assert addon("paint.migration").has_outdated()
     return node
 
 
@@ -248,15 +250,17 @@ def test_update_that_does_not_compile_leaves_the_paints_as_they_are(
     assert held() == before
     assert (node.node_tree, len(tree.links)) == (group, links)
     number = node.inputs.keys().index("Tilt")
-    [path] = {curve.data_path for curves in addon("animation").curves(tree) for curve in curves}
+    [path] = {
+        curve.data_path for curves in addon("paint.animation").curves(tree) for curve in curves
+    }
     assert path == f'nodes["{node.name}"].inputs[{number}].default_value'
 
 
 def test_a_blender_without_osl_is_not_offered_it(
     addon: Addon, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
-    assert "built without Open Shading" in addon("material").missing(bpy.context.scene)
+    monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)
+    assert "built without Open Shading" in addon("paint.material").missing(bpy.context.scene)
     with pytest.raises(RuntimeError, match="built without Open Shading Language"):
         bpy.ops.scene.metallic_paint_use_osl()
 
@@ -272,7 +276,7 @@ def test_update_lights_reports_what_fit_says(
     capfd.readouterr()
     assert bpy.ops.scene.metallic_paint_update_lights() == {"FINISHED"}
     assert "light 1: Point" in capfd.readouterr().out
-    assert "light 1: Point" in addon("needs").said()
+    assert "light 1: Point" in addon("scene.needs").said()
 
 
 def test_update_lights_refuses_without_paint() -> None:
@@ -282,7 +286,7 @@ def test_update_lights_refuses_without_paint() -> None:
 
 def test_one_button_puts_the_scene_on_cycles_with_osl(addon: Addon) -> None:
     scene = bpy.context.scene
-    missing = addon("material").missing
+    missing = addon("paint.material").missing
     assert "does not render with Cycles" in missing(scene)
     scene.render.engine = "CYCLES"
     assert "Open Shading Language is off" in missing(scene)
@@ -305,7 +309,7 @@ def test_each_kind_of_gpu_is_named(
     addon: Addon, monkeypatch: pytest.MonkeyPatch, device: str, warning: str
 ) -> None:
     """Devices that this machine's Blender does not know of are set where Cycles is asked."""
-    material = addon("material")
+    material = addon("paint.material")
     bpy.ops.scene.metallic_paint_use_osl()
     monkeypatch.setattr(material, "gpu", lambda _: device)
     missing = material.missing(bpy.context.scene)
@@ -325,7 +329,7 @@ def test_without_the_add_on_of_cycles_operators_say_so(
     addon: Addon, cube: bpy.types.Object, tmp_path: Path, call: str
 ) -> None:
     bpy.ops.material.metallic_paint_new()
-    addon("material").node_group()["metallic_paint_source"] = "older"
+    addon("paint.material").node_group()["metallic_paint_source"] = "older"
     addon_utils.disable("cycles")
     try:
         space, _, name = call.partition(".")
@@ -333,19 +337,19 @@ def test_without_the_add_on_of_cycles_operators_say_so(
             getattr(getattr(bpy.ops, space), name)()
         bpy.ops.object.light_add(type="SUN")
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
-        assert addon("lights").values() == []
+        assert addon("scene.lights").values() == []
         before = bpy.data.scenes.keys()
         with pytest.raises(TypeError, match="CYCLES"):
-            addon("material").create(addon("paint").Paint())
+            addon("paint.material").create(addon("paint").Paint())
         assert bpy.data.scenes.keys() == before
     finally:
         addon_utils.enable("cycles")
     bpy.context.view_layer.update()
-    assert len(addon("lights").values()) == 1
+    assert len(addon("scene.lights").values()) == 1
 
 
 def test_a_gpu_is_warned_of(addon: Addon) -> None:
-    scene, missing = bpy.context.scene, addon("material").missing
+    scene, missing = bpy.context.scene, addon("paint.material").missing
     bpy.ops.scene.metallic_paint_use_osl()
     scene.cycles.device = "GPU"
     assert missing(scene) == ""  # without a GPU Cycles takes the CPU

@@ -97,7 +97,7 @@ def test_panel_does_not_offer_to_replace_a_paint_within_a_node_group(
 def test_panel_offers_no_osl_where_there_is_none(
     addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(addon("material"), "has_osl", lambda: False)
+    monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)
     shown = panel()
     assert "built without Open Shading Language" in " ".join(shown.texts)
     assert "scene.metallic_paint_use_osl" not in shown.names
@@ -131,7 +131,7 @@ def test_choices_are_chosen_by_words(addon: Addon, cube: bpy.types.Object) -> No
     assert not choices.poll(bpy.context)
     bpy.ops.material.metallic_paint_new()
     assert choices.poll(bpy.context)
-    material = addon("material")
+    material = addon("paint.material")
     node = material.paint_node(cube.active_material)
     named = drawn(choices).properties
     parameters = [each for each in addon("paint").PARAMETERS.values() if each.choices]
@@ -168,7 +168,7 @@ def test_panels_stand_without_the_add_on_of_cycles(cube: bpy.types.Object) -> No
 def test_notice_of_older_paints(addon: Addon, cube: bpy.types.Object) -> None:
     bpy.ops.material.metallic_paint_new()
     assert "material.metallic_paint_update" not in panel().names
-    addon("material").node_group()["metallic_paint_source"] = "older"
+    addon("paint.material").node_group()["metallic_paint_source"] = "older"
     assert "material.metallic_paint_update" in panel().names
     assert "This file holds paints of an older version." in panel().texts
 
@@ -185,12 +185,14 @@ def test_add_menu_has_the_paint(addon: Addon) -> None:
     for kind, entries in (("OBJECT", ["node.metallic_paint_add"]), ("WORLD", [])):
         layout = Layout()
         space = SimpleNamespace(shader_type=kind)
-        addon("panel")._draw_add(SimpleNamespace(layout=layout), SimpleNamespace(space_data=space))
+        addon("interface.panel")._draw_add(
+            SimpleNamespace(layout=layout), SimpleNamespace(space_data=space)
+        )
         assert layout.names == entries
 
 
 def test_preset_menu_applies_to_a_paint_or_makes_one(addon: Addon, cube: bpy.types.Object) -> None:
-    names = addon("presets").names()
+    names = addon("paint.presets").names()
     for action in ("new", "apply_preset"):
         menu = drawn(bpy.types.MATERIAL_MT_metallic_paint_presets)
         chosen = [values["preset"] for name, values in menu.operators
@@ -204,7 +206,7 @@ def test_preset_menu_applies_to_a_paint_or_makes_one(addon: Addon, cube: bpy.typ
 
 def test_preset_menu_lists_own_presets(addon: Addon, cube: bpy.types.Object) -> None:
     bpy.ops.material.metallic_paint_new(preset="lime")
-    file = addon("preset_operators").own_folder(create=True) / "my-lime.json"
+    file = addon("interface.preset_operators").own_folder(create=True) / "my-lime.json"
     bpy.ops.material.metallic_paint_save_preset(filepath=str(file))
     try:
         menu = drawn(bpy.types.MATERIAL_MT_metallic_paint_presets)
@@ -218,7 +220,7 @@ def test_preset_menu_lists_own_presets(addon: Addon, cube: bpy.types.Object) -> 
 
 
 def preferences(addon: Addon) -> Layout:
-    return drawn(addon("library").MetallicPaintPreferences)
+    return drawn(addon("interface.library").MetallicPaintPreferences)
 
 
 def test_asset_library_comes_and_goes_by_buttons(addon: Addon) -> None:
@@ -245,7 +247,7 @@ def test_asset_library_is_known_behind_a_symbolic_link(
     here = {"__file__": str(tmp_path / "link" / "library.py"), "__package__": "p", "__name__": "p"}
     [line] = [line for line in source.splitlines() if line.startswith("FOLDER = ")]
     exec(line, here | {"Path": Path}, found := {})
-    monkeypatch.setattr(addon("library"), "FOLDER", found["FOLDER"])
+    monkeypatch.setattr(addon("interface.library"), "FOLDER", found["FOLDER"])
     bpy.ops.preferences.metallic_paint_add_library()
     try:
         assert preferences(addon).names == ["preferences.metallic_paint_remove_library"]
@@ -257,7 +259,7 @@ def test_asset_library_is_known_behind_a_symbolic_link(
 def test_build_without_library_says_so(
     addon: Addon, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(addon("library"), "FOLDER", tmp_path / "none")
+    monkeypatch.setattr(addon("interface.library"), "FOLDER", tmp_path / "none")
     with pytest.raises(RuntimeError, match="comes without an asset library"):
         bpy.ops.preferences.metallic_paint_add_library()
 
@@ -265,7 +267,7 @@ def test_build_without_library_says_so(
 def test_asset_library_holds_every_preset(
     addon: Addon, cube: bpy.types.Object, installed: Path
 ) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     folder = installed / "assets"
     catalogs = (folder / "blender_assets.cats.txt").read_text().splitlines()
     [catalog] = [line.split(":")[0] for line in catalogs if line.count(":") == 2]
@@ -283,9 +285,9 @@ def test_asset_library_holds_every_preset(
     assert not [thing for thing in bpy.data.objects if thing != cube]
     cube.active_material = here.materials[0]
     bpy.ops.object.light_add(type="SUN")
-    assert len(addon("lights").values()) == 1
-    assert len(addon("lights").groups()) == 1
-    assert not addon("migration").has_outdated()
+    assert len(addon("scene.lights").values()) == 1
+    assert len(addon("scene.lights").groups()) == 1
+    assert not addon("paint.migration").has_outdated()
 
 
 # --- words -------------------------------------------------------------------------------------

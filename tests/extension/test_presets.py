@@ -21,7 +21,7 @@ def painted() -> bpy.types.Material:
 def test_apply_sets_the_paint_node_alone_and_tells_what_it_does_not_reach(
     addon: Addon, painted: bpy.types.Material, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     tree = painted.node_tree
     other = tree.nodes.new("ShaderNodeBsdfPrincipled")
     noise = tree.nodes.new("ShaderNodeTexNoise")
@@ -52,7 +52,7 @@ def test_apply_has_nothing_to_tell_of_plain_values(
 def test_apply_takes_the_active_one_of_two_paints(
     addon: Addon, painted: bpy.types.Material
 ) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     first = material.paint_node(painted)
     second = material.add_node(painted.node_tree, presets.load("gold"))
     painted.node_tree.nodes.active = second
@@ -64,7 +64,7 @@ def test_apply_takes_the_active_one_of_two_paints(
 def test_saved_paint_loads_as_it_was(
     addon: Addon, painted: bpy.types.Material, tmp_path: Path
 ) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     file = tmp_path / "mine.json"
     node = material.paint_node(painted)
     node.inputs["Tilt"].default_value = 0.123
@@ -99,11 +99,11 @@ def test_bad_file_is_explained_and_changes_nothing(
     text, complaint = BAD[which]
     file = tmp_path / "bad.json"
     file.write_text(text)
-    before = addon("material").paint_of(painted)
+    before = addon("paint.material").paint_of(painted)
     with pytest.raises(RuntimeError) as error:
         bpy.ops.material.metallic_paint_load_preset(filepath=str(file))
     assert complaint in str(error.value)
-    assert addon("material").paint_of(painted) == before
+    assert addon("paint.material").paint_of(painted) == before
 
 
 def test_missing_file_is_explained(painted: bpy.types.Material, tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_saving_where_nothing_can_be_written(painted: bpy.types.Material, tmp_pa
 def test_saving_an_impossible_paint_names_the_field(
     addon: Addon, painted: bpy.types.Material, tmp_path: Path
 ) -> None:
-    node = addon("material").paint_node(painted)
+    node = addon("paint.material").paint_node(painted)
     node.inputs["Coating"].default_value = 0
     node.inputs["Flake Color"].default_value = (0.9, 0.9, 0.9, 1)
     node.inputs["Flake Transmission"].default_value = (0.5, 0.5, 0.5, 1)
@@ -134,7 +134,7 @@ def test_saving_an_impossible_paint_names_the_field(
 def test_a_paint_of_an_older_version_stays_as_it_is(
     addon: Addon, painted: bpy.types.Material, tmp_path: Path, action: str
 ) -> None:
-    material, presets = addon("material"), addon("presets")
+    material, presets = addon("paint.material"), addon("paint.presets")
     group = material.paint_node(painted).node_tree
     group["metallic_paint"] = material.VERSION - 1
     file = presets.FOLDER / "lime.json" if action == "load" else tmp_path / "mine.json"
@@ -160,7 +160,7 @@ def test_own_presets_outlive_the_package(
     addon: Addon, painted: bpy.types.Material, installed: Path
 ) -> None:
     painted.name = "My Gold/2"
-    file = addon("preset_operators").own_file(addon("material").paint_node(painted))
+    file = addon("interface.preset_operators").own_file(addon("paint.material").paint_node(painted))
     assert file.name == "my-gold_2.json"
     assert file.parent.is_dir()
     assert installed not in file.parents
@@ -172,7 +172,10 @@ def test_saving_without_a_name(painted: bpy.types.Material) -> None:
 
 
 def test_every_preset_has_a_swatch(addon: Addon) -> None:
-    for name in addon("presets").names():
-        addon("preset_operators").swatch(name)  # icons have no numbers without a window
-        assert tuple(addon("preset_operators")._previews[0][name].image_size) == (128, 128)
-    assert addon("preset_operators").swatch("no-such") == 0
+    for name in addon("paint.presets").names():
+        addon("interface.preset_operators").swatch(name)  # icons have no numbers without a window
+        assert tuple(addon("interface.preset_operators")._previews[0][name].image_size) == (
+            128,
+            128,
+        )
+    assert addon("interface.preset_operators").swatch("no-such") == 0

@@ -23,7 +23,7 @@ FOUND = ROOT / "build" / "fuzz"
 
 sys.path.insert(0, str(ROOT / "addon"))
 with atheris.instrument_imports(include=["metallic_paint"]):
-    from metallic_paint import presets
+    from metallic_paint.paint import presets
 
 LONGEST_SENTENCE = 1000  # characters: fits a console or a pop-up; no file may flood either
 

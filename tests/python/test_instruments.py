@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from measure import goniophotometer, sparkle_camera
 from measure.goniophotometer import BATCHES, CURVE, LUMINANCE
-from metallic_paint import presets
-from metallic_paint.paint import Paint, core_paint
+from metallic_paint.paint import Paint, core_paint, presets
 
 ERRORS = 5
 NO_FLAKES = Paint(flakes_per_mm2=0, substrate_color=(0.5, 0.5, 0.5))

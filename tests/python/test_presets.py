@@ -11,9 +11,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from metallic_paint import presets
-from metallic_paint.paint import PARAMETERS
-from metallic_paint.presets import Flakes, Paint, PaintError, PresetError
+from metallic_paint.paint import PARAMETERS, presets
+from metallic_paint.paint.presets import Flakes, Paint, PaintError, PresetError
 
 OWN = {name: p for name, p in PARAMETERS.items() if "." not in name}  # not of further species
 NUMBERS = [
@@ -296,8 +295,8 @@ def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:
 
 def test_presets_need_no_blender() -> None:
     code = (
-        "import sys, metallic_paint.presets as presets; presets.load('gold');"
+        "import sys, metallic_paint.paint.presets as presets; presets.load('gold');"
         "assert 'bpy' not in sys.modules"
     )
-    addon = Path(presets.__file__).parent.parent
+    addon = Path(presets.__file__).parents[2]
     subprocess.run([sys.executable, "-c", code], cwd=addon, check=True, timeout=60)

@@ -13,8 +13,7 @@ import numpy as np
 from common import bars
 from common.processes import StepFailedError, run_program, say
 from common.report_folder import MEASURE, REPORT, table
-from metallic_paint import presets
-from metallic_paint.paint import Paint
+from metallic_paint.paint import Paint, presets
 
 from measure import goniophotometer, plots, sparkle_camera
 from measure.goniophotometer import ANGLES, BATCHES, CURVE, Goniogram, Measured

@@ -9,7 +9,7 @@ from pathlib import Path
 from common import environments
 from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program
 from common.report_folder import MEASURE, check_file
-from metallic_paint import presets
+from metallic_paint.paint import presets
 
 SECONDS = 1800
 

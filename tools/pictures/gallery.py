@@ -12,7 +12,7 @@ from pathlib import Path
 
 from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program, say
 from common.report_folder import GALLERY, REPORT
-from metallic_paint import presets
+from metallic_paint.paint import presets
 
 SECONDS = 3600  # for one picture
 

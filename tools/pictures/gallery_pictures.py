@@ -16,7 +16,7 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import OpenImageIO  # noqa: E402
 from mathutils import Vector  # noqa: E402
-from metallic_paint import material  # noqa: E402
+from metallic_paint.paint import material  # noqa: E402
 
 from pictures import gallery_scenes as scenes  # noqa: E402
 from pictures import render_scene  # noqa: E402

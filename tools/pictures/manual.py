@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program, say
-from metallic_paint import presets
-from metallic_paint.paint import PARAMETERS, Paint, shader_value, value_of
+from metallic_paint.paint import PARAMETERS, Paint, presets, shader_value, value_of
 
 SECONDS = 600  # for one strip
 NEAR_MM = 12

@@ -14,7 +14,7 @@ blender_env.prepare()
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from metallic_paint import material  # noqa: E402
+from metallic_paint.paint import material  # noqa: E402
 
 from pictures import gallery_scenes as scenes  # noqa: E402
 from pictures import render_scene  # noqa: E402

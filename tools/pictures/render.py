@@ -15,7 +15,7 @@ blender_env.prepare()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from mathutils import Matrix, Vector  # noqa: E402
-from metallic_paint import presets  # noqa: E402
+from metallic_paint.paint import presets  # noqa: E402
 
 from pictures import demo_model, render_scene  # noqa: E402
 from pictures.render_scene import RenderError, say  # noqa: E402

@@ -26,8 +26,8 @@ import bpy
 import numpy as np
 import OpenImageIO
 from common import blender_env
-from metallic_paint import material, needs, presets
-from metallic_paint.paint import Paint
+from metallic_paint.paint import Paint, material, presets
+from metallic_paint.scene import needs
 
 SUFFIXES = (".exr", ".png")
 PAINT_INDEX = 31417  # of our material in the index pass, which tells where the picture shows it

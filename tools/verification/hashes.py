@@ -9,7 +9,8 @@ import bpy
 import metallic_paint_core as core
 import numpy as np
 from common import bars
-from metallic_paint import material, shader, verify
+from metallic_paint import verify
+from metallic_paint.paint import material, shader
 
 SIZE = 1024  # pixels along each side: 2^20 points a stream
 # Stride and offset of the points, then light, species, frame, seed and draw: near the origin on

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import bpy
 from mathutils import Vector
-from metallic_paint import lights, material, presets
-from metallic_paint.paint import Flakes, Paint
+from metallic_paint.paint import Flakes, Paint, material, presets
+from metallic_paint.scene import lights
 from pictures import demo_model
 
 SILVER = Paint()

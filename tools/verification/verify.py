@@ -16,8 +16,10 @@ import bpy  # noqa: E402
 import metallic_paint_core as core  # noqa: E402
 import numpy as np  # noqa: E402
 from common import bars  # noqa: E402
-from metallic_paint import lights, verify  # noqa: E402
+from metallic_paint import verify  # noqa: E402
+from metallic_paint.native import core_lights  # noqa: E402
 from metallic_paint.paint import core_paint  # noqa: E402
+from metallic_paint.scene import lights  # noqa: E402
 
 from verification import hashes  # noqa: E402
 from verification import scenes as verify_scenes  # noqa: E402
@@ -68,7 +70,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     item = verify_scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
     geometry = probe.geometry()
-    slots = verify.core_lights()
+    slots = core_lights()
     lamps = lights.fill(scene).slots
     label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)

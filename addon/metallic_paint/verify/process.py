@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The other process of verify_operator.py: a script, not a part of the add-on.
+"""The other process of job.py: a script, not a part of the add-on.
 
 Its last argument is a file with the job. It runs in a Blender that need not have the add-on: what
 it imports, it finds in the files that the job names.
@@ -41,7 +41,7 @@ def main(job: dict, said: Path) -> None:
         try:
             for name, file in job["modules"].items():
                 load(name, Path(file))
-            check = importlib.import_module("metallic_paint.verify_operator").check
+            check = importlib.import_module("metallic_paint.verify.check").check
             bpy.ops.wm.open_mainfile(filepath=job["blend"], use_scripts=False)
             found = check(
                 find("scenes", job["scene"]), find("objects", job["object"]),

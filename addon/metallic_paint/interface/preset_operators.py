@@ -15,23 +15,24 @@ import bpy.utils.previews
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import animation, material, operators, presets
-from .paint import PARAMETERS, PaintError
+from .. import ADD_ON
+from ..paint import PARAMETERS, PaintError, animation, material, presets
+from . import operators
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-SWATCHES = Path(__file__).parent / "swatches"
+SWATCHES = Path(__file__).parent.parent / "swatches"
 
 _previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while registered
 
 
 def own_folder(create: bool = False) -> Path:
     """Where the user's presets are; it outlives an update of the add-on."""
-    if __package__.startswith("bl_ext."):
-        folder = bpy.utils.extension_path_user(__package__, path="presets", create=create)
+    if ADD_ON.startswith("bl_ext."):
+        folder = bpy.utils.extension_path_user(ADD_ON, path="presets", create=create)
     else:  # run from the repository
-        path = f"{__package__}/presets"
+        path = f"{ADD_ON}/presets"
         folder = bpy.utils.user_resource("CONFIG", path=path, create=create)
     return Path(folder)
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from . import lights, material, migration, needs, presets
-from .paint import Paint
+from ..paint import Paint, material, migration, presets
+from ..scene import lights, needs
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems, WmReportItems
@@ -34,16 +34,12 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
 # What the shader's compilation may end in: the compiler's word, or no place for its files.
 UNCOMPILED = (RuntimeError, OSError)
 
-NO_CYCLES = "Enable the add-on Cycles Render Engine first"
-WITHIN_GROUP = "The paint stands within a node group"
-LINKED = "The {} is linked from another file and cannot be changed"
-
 
 def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """For a poll: without Cycles, an add-on of its own, no paint compiles or is fitted."""
     if hasattr(context.scene, "cycles"):
         return True
-    operator.poll_message_set(NO_CYCLES)
+    operator.poll_message_set(material.NO_CYCLES)
     return False
 
 
@@ -51,7 +47,7 @@ def can_change(operator: type[bpy.types.Operator], datablock: bpy.types.ID, what
     """For a poll."""
     if datablock.is_editable:
         return True
-    operator.poll_message_set(LINKED.format(what))
+    operator.poll_message_set(material.LINKED.format(what))
     return False
 
 
@@ -111,7 +107,7 @@ class MATERIAL_OT_metallic_paint_new(bpy.types.Operator):
         slots, active = thing.material_slots, thing.active_material_index
         by_object = active < len(slots) and slots[active].link == "OBJECT"
         if not thing.is_editable or not (thing.data.is_editable or by_object):
-            cls.poll_message_set(LINKED.format("object"))
+            cls.poll_message_set(material.LINKED.format("object"))
             return False
         return True
 

@@ -11,8 +11,9 @@ from typing import Any, TypeGuard
 import bpy
 import numpy as np
 
-from . import lights, shader
-from .paint import (
+from ..scene import lights
+from . import shader
+from .parameters import (
     BINDER,
     FLAKES,
     INT_MAX,
@@ -42,6 +43,9 @@ MODEL_SCALE = "Model Scale"
 DIAGNOSTICS = "Diagnostics"
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
+NO_CYCLES = "Enable the add-on Cycles Render Engine first"
+WITHIN_GROUP = "The paint stands within a node group"
+LINKED = "The {} is linked from another file and cannot be changed"
 
 _GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
 

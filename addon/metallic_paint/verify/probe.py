@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks a picture of the paint against the core, pixel by pixel.
+"""Pictures of the shader's inner values, without noise.
 
-The shader shows its inner values beside the paint (Diagnostic and Shown): where each pixel
-looks, and what it computed there. The core repeats the computation in float from the same places
-and must find the same counts and radiances. The lit picture is checked too: where Cycles lights a
-cone of radiance 1, the picture is the light's irradiance E, and the sparkles must be T E.
+The shader shows them beside the paint (Diagnostic and Shown): where each pixel looks, and what it
+computed there.
 
 Every array here is (height, width, ...) with row 0 at the bottom, as the shader counts pixels.
 """
@@ -16,41 +14,17 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import bpy
 import numpy as np
 
-from . import lights, material, shader
-
-if TYPE_CHECKING:
-    from metallic_paint_core._native import Light, Paint, Pixels
+from ..paint import material, shader
 
 # The shader's diagnostics, as osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
 IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE, GLOSSY, ROUGHNESS = range(10, 19)
 LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
-
-# Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
-LEAST_WEIGHT = 1.1e-5
-
-# Error that float rounding may leave in <N> (relative) and in the uniform deviate.
-MEAN_ROUNDING = 1e-5
-UNIFORM_ROUNDING = 1e-6
-FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/sparkles.h
-
-MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
-
-
-def core_missing() -> str:
-    """Why the native module cannot be used, in a sentence; empty where it can."""
-    try:
-        import metallic_paint_core  # noqa: F401
-    except ImportError as error:
-        if error.name == "metallic_paint_core":
-            return "This build of the add-on has no native module for this Blender."
-        return f"The native module metallic_paint_core cannot be loaded: {error}."
-    return ""
 
 
 @dataclass(frozen=True)
@@ -73,19 +47,6 @@ class Geometry:
         return np.stack(np.meshgrid(np.arange(x, x + w), np.arange(y, y + h)), axis=-1)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """How a light's sparkles in the picture agree with the core's."""
-
-    pixels: int  # with paint in them, times the flake species
-    same_count: int
-    at_pixel_edge: int  # another count, because the sample lies on a pixel's edge within rounding
-    at_threshold: int  # another count, because the draw lies on a step within rounding
-    unexplained: int
-    radiance_error: np.ndarray  # relative, of the pixels with the same count and any radiance
-    by_chance: np.ndarray  # (h, w) bool: so dim that Cycles would drop them, kept by lot instead
-
-
 def make_noiseless(scene: bpy.types.Scene) -> None:
     """One sample at the centre of each pixel, lit straight from the lamps, written as it is."""
     cycles = scene.cycles
@@ -95,10 +56,10 @@ def make_noiseless(scene: bpy.types.Scene) -> None:
     cycles.max_bounces = 0
     cycles.pixel_filter_type = "BOX"
     scene.render.film_transparent = True
-    _write_floats(scene, "OPEN_EXR")
+    write_floats(scene, "OPEN_EXR")
 
 
-def _write_floats(
+def write_floats(
     scene: bpy.types.Scene, file_format: Literal["OPEN_EXR", "OPEN_EXR_MULTILAYER"]
 ) -> None:
     """All 32 bits: Blender 5 goes back to half floats with every change of the format."""
@@ -180,12 +141,12 @@ class Probe:
         """Cycles' own Position and Normal passes (h, w, 3)."""
         layer = self.scene.view_layers[0]
         layer.use_pass_position = layer.use_pass_normal = True
-        _write_floats(self.scene, "OPEN_EXR_MULTILAYER")
+        write_floats(self.scene, "OPEN_EXR_MULTILAYER")
         try:
             with _all_emitting(self.materials):
                 channels = render_channels(self.scene)
         finally:
-            _write_floats(self.scene, "OPEN_EXR")
+            write_floats(self.scene, "OPEN_EXR")
             layer.use_pass_position = layer.use_pass_normal = False
         found = [
             np.stack([channels[f"{layer.name}.{name}.{c}"] for c in "XYZ"], axis=-1)
@@ -231,122 +192,3 @@ def _emitting(painted: bpy.types.Material) -> Iterator[None]:
         nodes.remove(emission)
         for socket in was:
             links.new(socket, surface)
-
-
-def core_lights() -> list[Light]:
-    """The slots in use, as the core takes them."""
-    import metallic_paint_core as core
-
-    return [core.Light(core.LightKind(int(kind)), vector, size)
-            for kind, vector, size in lights.values()]  # fmt: skip
-
-
-def predict(
-    paint: Paint,
-    slots: list[Light],
-    geometry: Geometry,
-    precision: Literal["float", "double"],
-    species: int = 0,
-) -> Pixels:
-    """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
-    import metallic_paint_core as core
-
-    hit = geometry.hit
-    return core.evaluate(
-        paint,
-        slots,
-        position=geometry.position[hit],
-        normal=geometry.normal[hit],
-        view=geometry.view[hit],
-        footprint=geometry.footprint[hit],
-        pixel=geometry.own_pixel()[hit],
-        precision=precision,
-        species=species,
-    )
-
-
-def compare(
-    paint: Paint,
-    geometry: Geometry,
-    predicted: list[Pixels],
-    light: int,
-    leader: int,
-    counts: list[np.ndarray],
-    cone: np.ndarray,
-    picture: np.ndarray,
-    irradiance: np.ndarray,
-) -> Comparison:
-    """Judges images (h, w[, 3]) against the core's prediction.
-
-    predicted and counts are those of each flake species. picture and irradiance are lit by the lamp
-    of the slot `light`; counts and cone are those of the slot that leads it: itself, unless another
-    light is too close by.
-    """
-    hit = geometry.hit
-    shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
-    at_edge = shifted & _near_edge(geometry.raster[hit])
-    same_count = edge = threshold = unexplained = 0
-    all_same = np.ones(int(hit.sum()), dtype=bool)
-    for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
-        found = count[hit]
-        same = found == expected["count"][:, leader]
-        step = _near_threshold(paint, geometry, expected, leader, species, found)
-        same_count += int(same.sum())
-        edge += int((~same & at_edge).sum())
-        threshold += int((~same & ~at_edge & step).sum())
-        unexplained += int((~same & ~at_edge & ~step).sum())
-        all_same &= same
-
-    per_irradiance = predicted[0]["radiance"][:, light]
-    radiance = per_irradiance * irradiance[hit]
-    lit = all_same & (radiance.max(axis=-1) > 0)
-    by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
-    lit &= ~by_chance
-    chance = np.zeros_like(hit)
-    chance[hit] = by_chance
-    error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
-    return Comparison(
-        pixels=int(hit.sum()) * len(counts),
-        same_count=same_count,
-        at_pixel_edge=edge,
-        at_threshold=threshold,
-        unexplained=unexplained,
-        radiance_error=error,
-        by_chance=chance,
-    )
-
-
-def _near_edge(raster: np.ndarray) -> np.ndarray:
-    """Raster positions within float rounding (16 ulp at 1000) of an edge between pixels."""
-    return (np.abs(raster - np.round(raster)) < 1e-3).any(axis=-1)
-
-
-def _near_threshold(
-    paint: Paint,
-    geometry: Geometry,
-    predicted: Pixels,
-    light: int,
-    species: int,
-    found: np.ndarray,
-) -> np.ndarray:
-    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding.
-
-    From afar and without contrast nothing is drawn: the count is <N>, to the nearest whole number.
-    """
-    import metallic_paint_core as core
-
-    x, y = geometry.own_pixel()[geometry.hit].T
-    words = core.hash_words(x, y, light=light, species=species, frame=paint.frame, seed=paint.seed)
-    high, low = (words[:, i] >> 8 for i in (0, 1))
-    uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
-    mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]
-    fewest = core.count_deviate(
-        mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1)
-    )
-    most = core.count_deviate(
-        mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
-    )
-    undrawn = (mean > FAR_COUNT) | (paint.sparkle_contrast == 0)
-    undrawn &= np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7
-    as_mean = undrawn & (np.abs(found - mean) <= 1 + mean * MEAN_ROUNDING)
-    return (fewest <= found) & (found <= most) | as_mean

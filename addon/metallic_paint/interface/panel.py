@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import lights, material, migration, needs, operators
-from .paint import PARAMETERS, Parameter
+from ..paint import PARAMETERS, Parameter, material, migration
+from ..scene import lights, needs
+from . import operators
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import IconItems
@@ -33,7 +34,7 @@ _LINKED = (
 
 
 _WITHIN_GROUP = (
-    f"{operators.WITHIN_GROUP}: open the group in the shader editor to edit it. Presets are for "
+    f"{material.WITHIN_GROUP}: open the group in the shader editor to edit it. Presets are for "
     "paints that stand in the material itself."
 )
 

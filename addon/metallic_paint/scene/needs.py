@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import lights, material
+from ..paint import material
+from . import lights
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
 _NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}

@@ -14,7 +14,8 @@ from collections.abc import Collection
 import bpy
 from bpy.app.handlers import persistent
 
-from . import lights, material
+from ..paint import material
+from . import lights
 
 
 @persistent

@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .paint import NO_FLAKES, Color, Flakes, Paint, PaintError, shown
+from .parameters import NO_FLAKES, Color, Flakes, Paint, PaintError, shown
 
 __all__ = ["Color", "Flakes", "Paint", "PaintError", "PresetError", "load", "names", "save"]
 

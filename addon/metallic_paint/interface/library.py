@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .. import ADD_ON
+
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-FOLDER = Path(__file__).resolve().parent / "assets"
+FOLDER = Path(__file__).resolve().parent.parent / "assets"
 NAME = "Metallic Paint"
 
 
@@ -71,7 +73,7 @@ class PREFERENCES_OT_metallic_paint_remove_library(bpy.types.Operator):
 
 
 class MetallicPaintPreferences(bpy.types.AddonPreferences):
-    bl_idname = __package__
+    bl_idname = ADD_ON
 
     def draw(self, _context: bpy.types.Context) -> None:
         button: type[bpy.types.Operator] = PREFERENCES_OT_metallic_paint_add_library

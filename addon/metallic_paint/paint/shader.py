@@ -15,7 +15,7 @@ from typing import IO
 
 import bpy
 
-_PACKAGE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parent.parent
 FOLDERS = (_PACKAGE / "osl", _PACKAGE.parent.parent / "osl")  # installed; in the repository
 FILE = "metallic_paint.osl"
 

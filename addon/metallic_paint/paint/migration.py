@@ -13,7 +13,8 @@ from functools import cache
 
 import bpy
 
-from . import animation, lights, material, shader
+from ..scene import lights
+from . import animation, material, shader
 
 _PARKED = "metallic_paint_parked["
 

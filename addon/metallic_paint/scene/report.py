@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene's paints compute, what the camera sees of their flakes, and what would spoil them.
+
+Rays from the active camera find where each painted object shows (sight.py); there the core says how
+many flakes and sparkles a pixel has, and how bright one sparkle is (expected.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import bpy
+
+from .. import denoise
+from ..native import core_missing
+from ..paint import PARAMETERS, PaintError, material
+from . import lights, needs
+from .expected import Expected, expect
+from .sight import Camera, Effort, effort_for, look
+
+INFO: Final = "INFO"
+WARNING: Final = "WARNING"
+ERROR: Final = "ERROR"
+Line = tuple[str, str]  # level and sentence
+
+_MANY = 100.0  # sparkles a pixel whose sum deviates by a tenth or less
+_FEW = 1.0  # in the whole picture
+_SMALLEST, _LARGEST = 0.005, 100.0  # metres: sizes of what one paints
+_CONTRAST = PARAMETERS["sparkle_contrast"].label
+
+
+def report(scene: bpy.types.Scene) -> list[Line]:
+    """Sentences about the scene's paints, each with its level: INFO, WARNING or ERROR.
+
+    Fits the paints to the scene, as needs.fit does.
+    """
+    lines = list(_render_settings(scene))
+    fitted = needs.fit(scene)
+    for sentence in str(fitted).splitlines():
+        lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
+    if lights.groups() and not fitted.lights.slots:
+        lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
+    if outdated := denoise.outdated(scene):
+        lines.append((WARNING, f"{outdated}."))
+    layers = lights.used_layers(scene)
+    shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
+    painted = [thing for thing in shown if lights.is_painted(thing)]
+    if not painted:
+        multiplied = (thing for layer in layers for thing in lights.instanced(layer))
+        if any(map(lights.is_painted, multiplied)):
+            lines.append((INFO, "Painted only as instances: nothing can be foretold."))
+        else:
+            lines.append((WARNING, "No object that renders is painted."))
+    if sum(map(lights.uses_paint, bpy.data.scenes)) > 1:
+        text = (
+            "More than one scene uses paints, which have the lights of one at a time: "
+            "without this add-on, the scene that was fitted or saved last."
+        )
+        lines.append((WARNING, text))
+    surfaces = [each for thing in painted for each in _surfaces(thing, shown[thing])]
+    unknown = {each: each.unknown() for each in surfaces}
+    known = [each for each, line in unknown.items() if line is None]
+    objects = sum(len(layer.depsgraph.object_instances) for layer in layers)
+    effort = effort_for(len(known), objects)
+    chosen = _largest(scene, known, effort.objects)
+    brightest = 0.0
+    for each, line in unknown.items():
+        if line is not None:
+            lines.append(line)
+            continue
+        found, brightness = _about(scene, each, fitted.lights.slots, effort, each in chosen)
+        lines += found
+        brightest = max(brightest, brightness)
+    if left_out := len(known) - len(chosen):
+        sentence = f"Left out, being smaller in the picture: {left_out} more painted surfaces."
+        lines.append((INFO, sentence))
+    lines += _clamping(scene, brightest, len(fitted.lights.slots) + bool(fitted.other_light))
+    if not known or any(_sparkles(each.node) for each in known):
+        lines += _denoising(scene)
+    return lines
+
+
+# --- settings ----------------------------------------------------------------------------------
+
+
+def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
+    missing = material.missing(scene)
+    if scene.render.engine != "CYCLES":
+        yield ERROR, missing
+        return
+    if missing:
+        shows = (
+            material.has_osl()
+            and scene.cycles.shading_system
+            and material.gpu(scene) in ("NONE", "OPTIX")
+        )
+        yield WARNING if shows else ERROR, missing
+
+
+def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
+    """Cycles clamps each sample, and gives one that picks a lamp among others their weight too."""
+    if scene.render.engine != "CYCLES":
+        return
+    direct, indirect = scene.cycles.sample_clamp_direct, scene.cycles.sample_clamp_indirect
+    sample = brightest * max(sources, 1)
+    if direct > 0 and sample > direct:
+        yield (
+            WARNING,
+            (
+                f"Clamp Direct {direct:g} cuts sparkles, of which a sample may bring "
+                f"{_number(sample)} W/m²/sr. 0 switches it off."
+            ),
+        )
+    if indirect > 0 and brightest > indirect:
+        yield INFO, f"Clamp Indirect {indirect:g} dims sparkles that are seen in other surfaces."
+
+
+def _denoising(scene: bpy.types.Scene) -> Iterator[Line]:
+    if scene.render.engine != "CYCLES":
+        return
+    if scene.cycles.use_denoising and not denoise.is_set_up(scene):
+        label = denoise.SET_UP
+        yield WARNING, f"Denoising takes sparkles for noise: “{label}” keeps them."
+
+
+# --- objects -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """A paint on an object that renders."""
+
+    label: str
+    layer: bpy.types.ViewLayer
+    thing: bpy.types.Object
+    painted: bpy.types.Material
+    node: bpy.types.ShaderNodeGroup | None  # None within a node group
+
+    def unknown(self) -> Line | None:
+        """Why nothing can be foretold of it."""
+        if self.node is None:
+            within = material.WITHIN_GROUP.lower()
+            return INFO, f"{self.label}: {within}, of which nothing can be foretold."
+        if file := material.linked_from(self.node):
+            linked = f"the paint is linked from {file} and keeps the lights that it has there."
+            return WARNING, f"{self.label}: {linked}"
+        try:
+            material.paint_of(self.node)
+        except PaintError as error:
+            return ERROR, f"{self.label}: {error}"
+        return None
+
+
+def _sparkles(node: bpy.types.ShaderNodeGroup) -> bool:
+    contrast = node.inputs[_CONTRAST]
+    return contrast.is_linked or contrast.default_value > 0
+
+
+def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:
+    slots = dict.fromkeys(slot.material for slot in thing.material_slots if slot.material)
+    painted = [each for each in slots if lights.holds_slots(each.node_tree)]
+    return [
+        _Surface(
+            thing.name if len(painted) == 1 else f"{thing.name}, {each.name}",
+            layer, thing, each,
+            None if material.is_within_group(each) else material.paint_node(each),
+        )
+        for each in painted
+    ]  # fmt: skip
+
+
+def _largest(scene: bpy.types.Scene, surfaces: list[_Surface], number: int) -> list[_Surface]:
+    """Those whose boxes are largest in the picture; without a camera, the first."""
+    try:
+        camera = Camera.of(scene)
+    except ValueError:
+        return surfaces[:number]
+
+    def area(surface: _Surface) -> float:
+        left, bottom, right, top = camera.box(surface.thing) or (0, 0, 0, 0)
+        return (right - left) * (top - bottom)
+
+    return sorted(surfaces, key=area, reverse=True)[:number]
+
+
+def _about(
+    scene: bpy.types.Scene,
+    surface: _Surface,
+    lamps: tuple[bpy.types.Object, ...],
+    effort: Effort,
+    looked_at: bool,
+) -> tuple[list[Line], float]:
+    """Lines about a painted object, and how bright a pixel of it may sparkle."""
+    label, thing, node = surface.label, surface.thing, surface.node
+    assert node is not None
+    lines: list[Line] = []
+    unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
+    size = max(thing.dimensions) * unit
+    if not _SMALLEST <= size <= _LARGEST:
+        lines.append((WARNING, f"{label} is {_length(size)} large: is its Model Scale right?"))
+    if not looked_at:
+        return lines, 0.0
+    try:
+        seen = look(scene, surface.layer, thing, surface.painted, unit, effort)
+    except ValueError as error:
+        return [*lines, (INFO, f"{label}: {error}")], 0.0
+    if seen is None:
+        return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0
+    expected = expect(material.paint_of(node), seen, lamps)
+    return [*lines, *_judge(label, node, expected)], expected.brightness or 0.0
+
+
+def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> Iterator[Line]:
+    held = f"{label}: {_number(expected.flakes)} flakes a pixel"
+    if not _sparkles(node):
+        yield INFO, f"{held}. With {_CONTRAST} 0 they show their mean, no sparkles."
+        return
+    if expected.sparkles is None:
+        yield INFO, f"{held}."
+        yield INFO, f"{label}: sparkles cannot be foretold. {core_missing()}"
+        return
+    yield (
+        INFO,
+        (
+            f"{held}, {_number(expected.sparkles)} sparkles in the middle and "
+            f"{_number(expected.most_sparkles)} where there are most."
+        ),
+    )
+    linked = [socket.name for socket in node.inputs if socket.is_linked and socket.type != "VECTOR"]
+    if linked:
+        yield INFO, f"{label}: the numbers do not follow what is linked to {', '.join(linked)}."
+    if expected.most_sparkles > _MANY:
+        yield (
+            WARNING,
+            (
+                f"{label}: the sparkles are too many and too small to be seen, they merge into the "
+                "mean. Come nearer, render larger, or take fewer and larger flakes."
+            ),
+        )
+    if expected.in_picture < _FEW:
+        yield (
+            WARNING,
+            (
+                f"{label}: no sparkle is to be expected in the picture "
+                f"({_number(expected.in_picture)} of all its pixels). Turn the object or a lamp so "
+                "that it mirrors, or take more flakes or a wider tilt."
+            ),
+        )
+
+
+# --- words -------------------------------------------------------------------------------------
+
+
+def _number(x: float) -> str:
+    """Two digits, without powers of ten where one reads it better."""
+    if x == 0 or 1e-3 <= x < 1e6:
+        return f"{float(f'{x:.2g}'):,g}" if x < 1e5 else f"{float(f'{x:.2g}'):,.0f}"
+    return f"{x:.1e}"
+
+
+def _length(meters: float) -> str:
+    for unit, factor in (("km", 1e-3), ("m", 1), ("cm", 1e2), ("mm", 1e3)):
+        if meters * factor >= 1:
+            return f"{_number(meters * factor)} {unit}"
+    return f"{_number(meters * 1e6)} µm"

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks a picture of the paint against the core, pixel by pixel.
+
+The core repeats the shader's computation in float from the places where each pixel looks
+(probe.py), and must find the same counts and radiances. The lit picture is checked too: where
+Cycles lights a cone of radiance 1, the picture is the light's irradiance E, and the sparkles must
+be T E.
+
+Every array here is (height, width, ...) with row 0 at the bottom, as the shader counts pixels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from .probe import Geometry
+
+if TYPE_CHECKING:
+    from metallic_paint_core._native import Light, Paint, Pixels
+
+# Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
+LEAST_WEIGHT = 1.1e-5
+
+# Error that float rounding may leave in <N> (relative) and in the uniform deviate.
+MEAN_ROUNDING = 1e-5
+UNIFORM_ROUNDING = 1e-6
+FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/sparkles.h
+
+MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How a light's sparkles in the picture agree with the core's."""
+
+    pixels: int  # with paint in them, times the flake species
+    same_count: int
+    at_pixel_edge: int  # another count, because the sample lies on a pixel's edge within rounding
+    at_threshold: int  # another count, because the draw lies on a step within rounding
+    unexplained: int
+    radiance_error: np.ndarray  # relative, of the pixels with the same count and any radiance
+    by_chance: np.ndarray  # (h, w) bool: so dim that Cycles would drop them, kept by lot instead
+
+
+def predict(
+    paint: Paint,
+    slots: list[Light],
+    geometry: Geometry,
+    precision: Literal["float", "double"],
+    species: int = 0,
+) -> Pixels:
+    """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
+    import metallic_paint_core as core
+
+    hit = geometry.hit
+    return core.evaluate(
+        paint,
+        slots,
+        position=geometry.position[hit],
+        normal=geometry.normal[hit],
+        view=geometry.view[hit],
+        footprint=geometry.footprint[hit],
+        pixel=geometry.own_pixel()[hit],
+        precision=precision,
+        species=species,
+    )
+
+
+def compare(
+    paint: Paint,
+    geometry: Geometry,
+    predicted: list[Pixels],
+    light: int,
+    leader: int,
+    counts: list[np.ndarray],
+    cone: np.ndarray,
+    picture: np.ndarray,
+    irradiance: np.ndarray,
+) -> Comparison:
+    """Judges images (h, w[, 3]) against the core's prediction.
+
+    predicted and counts are those of each flake species. picture and irradiance are lit by the lamp
+    of the slot `light`; counts and cone are those of the slot that leads it: itself, unless another
+    light is too close by.
+    """
+    hit = geometry.hit
+    shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
+    at_edge = shifted & _near_edge(geometry.raster[hit])
+    same_count = edge = threshold = unexplained = 0
+    all_same = np.ones(int(hit.sum()), dtype=bool)
+    for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
+        found = count[hit]
+        same = found == expected["count"][:, leader]
+        step = _near_threshold(paint, geometry, expected, leader, species, found)
+        same_count += int(same.sum())
+        edge += int((~same & at_edge).sum())
+        threshold += int((~same & ~at_edge & step).sum())
+        unexplained += int((~same & ~at_edge & ~step).sum())
+        all_same &= same
+
+    per_irradiance = predicted[0]["radiance"][:, light]
+    radiance = per_irradiance * irradiance[hit]
+    lit = all_same & (radiance.max(axis=-1) > 0)
+    by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
+    lit &= ~by_chance
+    chance = np.zeros_like(hit)
+    chance[hit] = by_chance
+    error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
+    return Comparison(
+        pixels=int(hit.sum()) * len(counts),
+        same_count=same_count,
+        at_pixel_edge=edge,
+        at_threshold=threshold,
+        unexplained=unexplained,
+        radiance_error=error,
+        by_chance=chance,
+    )
+
+
+def _near_edge(raster: np.ndarray) -> np.ndarray:
+    """Raster positions within float rounding (16 ulp at 1000) of an edge between pixels."""
+    return (np.abs(raster - np.round(raster)) < 1e-3).any(axis=-1)
+
+
+def _near_threshold(
+    paint: Paint,
+    geometry: Geometry,
+    predicted: Pixels,
+    light: int,
+    species: int,
+    found: np.ndarray,
+) -> np.ndarray:
+    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding.
+
+    From afar and without contrast nothing is drawn: the count is <N>, to the nearest whole number.
+    """
+    import metallic_paint_core as core
+
+    x, y = geometry.own_pixel()[geometry.hit].T
+    words = core.hash_words(x, y, light=light, species=species, frame=paint.frame, seed=paint.seed)
+    high, low = (words[:, i] >> 8 for i in (0, 1))
+    uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
+    mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]
+    fewest = core.count_deviate(
+        mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1)
+    )
+    most = core.count_deviate(
+        mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
+    )
+    undrawn = (mean > FAR_COUNT) | (paint.sparkle_contrast == 0)
+    undrawn &= np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7
+    as_mean = undrawn & (np.abs(found - mean) <= 1 + mean * MEAN_ROUNDING)
+    return (fewest <= found) & (found <= most) | as_mean
