@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The sparkles of one light in one pixel (paper, 5.3.5): how many flakes happen to mirror the
-// light, and the radiance they send, per unit of the light's irradiance on a plane normal to it: T
-// = L/E_n. What no deviate touches comes first
-// (`expect_sparkles`), then the draw (`draw_sparkles`), and the draw's mean and variance in closed
-// form.
+// The sparkles of one light in one pixel. The paper, here and in all of core/, is
+//   S. V. Ershov, A. B. Khodulev, K. V. Kolchin, "Simulation of sparkles in metallic paints",
+//   Graphicon 1999; again in Computer Graphics & Geometry 2 (5), 2000.
+// docs/model lists its symbols, and where each of its formulas stands.
+//
+// How many flakes of the pixel happen to mirror the light is a random count (paper, 5.3.5). Each
+// sends radiance, told per unit of the light's irradiance on a plane normal to it: T = L/E_n. What
+// no deviate touches comes first (`expect_sparkles`), with the mean and the variance in closed form;
+// then the draw (`draw_sparkles`).
 //
 // A sparkling flake shows the light's own radiance E_n/Omega, dimmed by both passages of the
 // surface, by its coating and by the layer above it, and covers the share S

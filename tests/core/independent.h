@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The model of design/model.md evaluated a second time, in long double and in its naive form: with
+// The model of docs/model evaluated a second time, in long double and in its naive form: with
 // angles, with their sines and cosines, and with integrals done numerically as they stand. Shares
 // no code with core/; slow.
 #pragma once

@@ -195,7 +195,7 @@ TEST_F(Mpfr, FresnelTransmittance) {
     }
   }
   wide.expect_at_most(4, "double");
-  narrow.expect_at_most(64, "float");  // numerics.md's budget for energies
+  narrow.expect_at_most(64, "float");  // a budget of 64 ulp for energies
 }
 
 TEST_F(Mpfr, SolidAngles) {
