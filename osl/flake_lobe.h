@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The flakes under light that is no sparkling one: random flakes for each sample, whose mirror directions are followed.
-// See core/flake_lobe.h for the weight.
+// See core/flake_lobe.h for the weight and the cone.
 #pragma once
 
 #include "passage.h"
 
-// Half-angle of the cone in which a flake's mirror direction is widened, so that area lights are sampled as well, and lights
-// beyond the slots seen. In units of eta tilt: the tilt turns the mirror direction by 2 eta tilt, and the disc adds a quarter of
-// its radius squared to that variance, by which the tilt is drawn narrower. What is left is 0.7 % at most (five paints under an
-// area lamp, GGX's sharp peak the worst).
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 

@@ -163,41 +163,13 @@ TEST(Extremes, Footprints) {
 }
 
 TEST(Extremes, RandomValidPaints) {
-  // Every parameter anywhere in its allowed range.
   Random random(50);
   for (int k = 0; k < 4'000 && !HasFatalFailure(); ++k) {
     TestScene scene;
-    Paint& p = scene.paint;
-    const auto colour = [&](double most) {
-      return Rgb<double>{random.uniform(0, most), random.uniform(0, most), random.uniform(0, most)};
-    };
-    const auto fill = [&](FlakeSpecies& f) {
-      f.flakes_per_mm2 = random.log_uniform(1e-6, 1e9);
-      f.flake_diameter_um = random.log_uniform(1e-3, 1e5);
-      f.flake_area_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-3, 100);
-      f.orientation = static_cast<Orientation>(random.below(3));
-      f.tilt = random.log_uniform(1e-6, f.orientation == Orientation::gaussian ? 100 : 1);
-      f.flake_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-9, 0.5);
-      f.flake_color = colour(0.5);
-      f.flake_edge_color = colour(0.5);
-      f.flake_transmission = colour(0.5);
-      f.coating = static_cast<CoatingKind>(random.below(2) * random.below(kCoatingKinds));
-      f.coating_nm = random.uniform(0, kMostCoatingNm);
-    };
-    fill(p);
-    if (random.below(2) == 0) fill(p.more[0]);
-    if (random.below(3) == 0) fill(p.more[1]);
-    p.diffraction = static_cast<Diffraction>(random.below(2));
-    p.binder_ior = random.log_uniform(0.1, 10);
-    p.layer_thickness_um = random.log_uniform(1e-6, 1e6);
-    p.binder_absorption_per_mm = colour(random.log_uniform(1e-9, 1e6));
-    p.rayleigh_per_mm = random.below(2) == 0 ? 0 : random.log_uniform(1e-9, 1e6);
-    p.depth_model = static_cast<DepthModel>(random.below(2));
-    p.radiometry = static_cast<Radiometry>(random.below(2));
-    p.sparkle_contrast = random.below(3) == 0 ? random.uniform(0, 1) : random.below(2);
+    scene.paint = any_paint(random);
     scene.light_sine = random.below(4) == 0 ? 0 : random.log_uniform(1e-9, 1);
     scene.footprint = random.log_uniform(1e-30, 1e30);
-    ASSERT_NO_THROW(validate(p)) << scene;
+    ASSERT_NO_THROW(validate(scene.paint)) << scene;
     expect_sound_everywhere(scene);
   }
 }

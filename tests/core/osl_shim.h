@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The shader's headers as C++. CMakeLists.txt rewrites what C++ says otherwise (numbers without a
+// suffix are floats, outputs references, arrays values); here is what OSL has built in and the
+// headers use, in namespace osl. OSL's ints wrap: compile with -fwrapv.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace osl {
+
+// OSL's color, vector, point and normal.
+struct Triple {
+  float at[3]{};
+  Triple() = default;
+  Triple(float grey) : at{grey, grey, grey} {}
+  Triple(float x, float y, float z) : at{x, y, z} {}
+  float& operator[](int i) { return at[i]; }
+  float operator[](int i) const { return at[i]; }
+};
+using color = Triple;
+using vector = Triple;
+using point = Triple;
+using normal = Triple;
+
+template <class F>
+Triple each(Triple a, Triple b, F f) {
+  return {f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2])};
+}
+inline Triple operator+(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return x + y; });
+}
+inline Triple operator-(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return x - y; });
+}
+inline Triple operator*(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return x * y; });
+}
+inline Triple operator/(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return x / y; });
+}
+inline Triple operator-(Triple a) { return Triple(0) - a; }
+
+inline float sqrt(float x) { return std::sqrt(x); }
+inline float floor(float x) { return std::floor(x); }
+inline float fabs(float x) { return std::fabs(x); }
+inline float sin(float x) { return std::sin(x); }
+inline float cos(float x) { return std::cos(x); }
+inline float asin(float x) { return std::asin(x); }
+inline int isfinite(float x) { return std::isfinite(x); }
+inline int min(int a, int b) { return a < b ? a : b; }
+inline int max(int a, int b) { return a > b ? a : b; }
+inline int clamp(int x, int least, int most) { return max(least, min(x, most)); }
+inline float min(float a, float b) { return a < b ? a : b; }
+inline float max(float a, float b) { return a > b ? a : b; }
+inline float clamp(float x, float least, float most) { return max(least, min(x, most)); }
+inline Triple min(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return min(x, y); });
+}
+inline Triple max(Triple a, Triple b) {
+  return each(a, b, [](float x, float y) { return max(x, y); });
+}
+inline Triple cross(Triple a, Triple b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+#undef M_PI
+#undef M_PI_2
+#define M_PI 3.14159265f
+#define M_PI_2 1.57079633f
+#define M_2PI 6.28318531f
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include "osl/composition.h"
+#include "osl/flake_lobe.h"
+#include "osl/mixture.h"
+#include "osl/sparkles.h"
+#include "osl/texture.h"
+#pragma GCC diagnostic pop
+
+}  // namespace osl

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The shader's text, compiled as C++, repeats core<float> bit for bit: every inner value, over
+// random scenes with every parameter anywhere in its range. What only a renderer can break
+// (transforms, closures, folded constants, Blender's own functions) is left to renders.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "composition.h"
+#include "flake_lobe.h"
+#include "light_slots.h"
+#include "mixture.h"
+#include "osl_shim.h"
+#include "scenes.h"
+#include "sparkles.h"
+#include "support.h"
+#include "texture.h"
+
+namespace {
+
+using namespace core_tests;
+
+osl::Triple to_osl(Vec3<float> v) { return {v.x, v.y, v.z}; }
+
+// Compares bit for bit and tells the first value that differs.
+class Same {
+ public:
+  void operator()(const char* name, float shader, float core) {
+    ++seen_;
+    if (std::bit_cast<std::uint32_t>(shader) == std::bit_cast<std::uint32_t>(core)) return;
+    if (!different_.empty()) return;
+    std::ostringstream text;
+    text.precision(9);
+    text << name << " is " << shader << " in osl/, " << core << " in core/";
+    different_ = text.str();
+  }
+  void operator()(const char* name, int shader, int core) {
+    ++seen_;
+    if (shader == core || !different_.empty()) return;
+    different_ = std::string(name) + " is " + std::to_string(shader) + " in osl/, " +
+                 std::to_string(core) + " in core/";
+  }
+  void operator()(const char* name, osl::Triple shader, Vec3<float> core) {
+    (*this)(name, shader[0], core.x);
+    (*this)(name, shader[1], core.y);
+    (*this)(name, shader[2], core.z);
+  }
+  const std::string& different() const { return different_; }
+  long seen() const { return seen_; }
+
+ private:
+  long seen_ = 0;
+  std::string different_;
+};
+
+std::vector<float> shader_library() {
+  return {std::begin(kCoatingLibrary), std::end(kCoatingLibrary)};
+}
+
+osl::Flakes to_osl(const Flakes<float>& core) {
+  osl::Flakes flakes;
+  flakes.areal_density = core.areal_density;
+  flakes.flake_area = core.flake_area;
+  flakes.area_spread = core.area_spread;
+  flakes.area = osl::area_moments(core.area_spread);
+  flakes.coverage = core.coverage;
+  flakes.orientation =
+      osl::make_orientation(static_cast<int>(core.orientation.kind), core.orientation.tilt);
+  flakes.solid_angle = core.solid_angle;
+  flakes.coating.normal_reflectance = to_osl(core.coating.normal_reflectance);
+  flakes.coating.grazing_reflectance = to_osl(core.coating.grazing_reflectance);
+  flakes.coating.transmittance = to_osl(core.coating.transmittance);
+  flakes.coating.kind = static_cast<int>(core.coating.kind);
+  flakes.coating.thickness_nm = core.coating.thickness_nm;
+  return flakes;
+}
+
+struct ShaderPaint {
+  osl::Layer layer;
+  std::array<osl::Flakes, kSpecies> flakes;
+};
+
+ShaderPaint to_osl(const Layer<float>& core) {
+  ShaderPaint paint;
+  for (std::size_t i = 0; i < kSpecies; ++i) paint.flakes[i] = to_osl(core.flakes[i]);
+  paint.layer.species = core.species;
+  paint.layer.coverage = core.coverage;
+  paint.layer.eta = core.eta;
+  paint.layer.binder_depth = to_osl(core.binder_depth);
+  paint.layer.rayleigh_depth = core.rayleigh_depth;
+  paint.layer.depth_model = static_cast<int>(core.depth_model);
+  paint.layer.radiometry = static_cast<int>(core.radiometry);
+  paint.layer.sparkle_contrast = core.sparkle_contrast;
+  return paint;
+}
+
+void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
+  same("area.mean", shader.area.mean, core.area.mean);
+  same("area.square", shader.area.square, core.area.square);
+  same("area.cube", shader.area.cube, core.area.cube);
+  same("orientation.norm", shader.orientation.norm, core.orientation.norm);
+  same("orientation.mean_cos", shader.orientation.mean_cos, core.orientation.mean_cos);
+  same("orientation.below", shader.orientation.below, core.orientation.below);
+}
+
+void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSparkles<float>& core) {
+  same("mean_count", shader.mean_count, core.mean_count);
+  same("slots", shader.slots, core.slots);
+  same("fill", shader.fill, core.fill);
+  same("mirror", shader.mirror, core.mirror);
+  same("slant", shader.slant, core.slant);
+  same("ceiling", shader.ceiling, core.ceiling);
+  same("contrast", shader.contrast, core.contrast);
+  if (!(core.mean_count > 0)) return;
+  same("capped area.mean", shader.area.mean, core.area.mean);
+  same("capped area.square", shader.area.square, core.area.square);
+  same("capped area.cube", shader.area.cube, core.area.cube);
+  same("fluctuation_left", osl::fluctuation_left(shader), fluctuation_left(core));
+}
+
+struct ParityScene {
+  Paint paint;
+  SurfacePoint<float> point;
+  std::vector<Light<float>> lights;
+};
+
+Vec3<float> unit(Random& random, double least_cosine) {
+  const double z = random.uniform(least_cosine, 1), phi = random.uniform(0, 6.2831853);
+  const double sine = std::sqrt((1 - z) * (1 + z));
+  return Vec3<float>(turned({sine * std::cos(phi), sine * std::sin(phi), z}));
+}
+
+ParityScene random_scene(Random& random) {
+  ParityScene scene;
+  // Ordinary paints reach more of the model than those from anywhere.
+  scene.paint = random.below(2) == 0 ? any_paint(random) : random_paint(random);
+  if (random.below(4) == 0) scene.paint.more[0] = library_species(random, 0.5, 0.2);
+  scene.point = {Vec3<float>{static_cast<float>(random.uniform(-1, 1)),
+                             static_cast<float>(random.uniform(-1, 1)),
+                             static_cast<float>(random.uniform(-1, 1))},
+                 Vec3<float>(turned({0, 0, 1})),
+                 unit(random, random.below(8) == 0 ? -1e-3 : 0.05),
+                 static_cast<float>(random.log_uniform(1e-30, 1e30)),
+                 static_cast<int>(random.bits()),
+                 static_cast<int>(random.bits())};
+  if (random.below(2) == 0)
+    scene.point.footprint = static_cast<float>(random.log_uniform(1e-12, 1e-2));
+  for (int i = 0; i < kLightSlots; ++i) {
+    Light<float> light;
+    light.kind = static_cast<LightKind>(random.below(3));
+    light.vector = unit(random, -0.3);
+    if (random.below(2) == 0) {
+      // About the mirror direction, where it glitters.
+      const Vec3<float> n = scene.point.normal, v = scene.point.view;
+      const double off = random.log_uniform(1e-4, 1);
+      light.vector = n * (2 * dot(n, v)) - v + unit(random, -1) * static_cast<float>(off);
+    }
+    light.size = random.below(4) == 0 ? 0 : static_cast<float>(random.log_uniform(1e-6, 1));
+    if (random.below(8) == 0) light.size = static_cast<float>(random.uniform(0, 3));
+    scene.lights.push_back(light);
+  }
+  return scene;
+}
+
+// How often the scenes came to what is rare.
+struct Visits {
+  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0;
+};
+
+// Every value that the shader computes for the scene, by both texts.
+void compare(Same& same, const ParityScene& scene, std::vector<float>& library_values,
+             Visits& visits) {
+  const Paint& paint = scene.paint;
+  const SurfacePoint<float>& point = scene.point;
+  float* library = library_values.data();
+  const Layer<float> layer = make_layer<float>(paint);
+  const auto [shader_layer, shader_flakes] = to_osl(layer);
+  for (std::size_t i = 0; i < kSpecies; ++i) compare(same, shader_flakes[i], layer.flakes[i]);
+
+  const float cos_seen =
+      osl::min(osl::inner_product(to_osl(point.normal), to_osl(point.view)), 1.0f);
+  same("cos_seen", cos_seen, std::min(dot(point.normal, point.view), 1.0f));
+  const float cos_in = osl::min(osl::eta_cos_refracted(cos_seen, layer.eta) / layer.eta, 1.0f);
+  osl::SurfacePoint surface;
+  surface.position = to_osl(point.position);
+  surface.n = to_osl(point.normal);
+  surface.view = to_osl(point.view);
+  surface.footprint = point.footprint;
+  surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
+  surface.pixel_x = point.pixel_x;
+  surface.pixel_y = point.pixel_y;
+  same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
+
+  const SlotView<float> slots = view_slots(scene.lights, point);
+  std::array<osl::SeenLight, 8> seen;
+  std::array<int, 8> leader, slot;
+  int lights = 0;
+  for (int i = 0; i < kLightSlots; ++i) {
+    const Light<float>& light = scene.lights[static_cast<std::size_t>(i)];
+    const auto found = osl::see_light(static_cast<int>(light.kind), to_osl(light.vector),
+                                      light.size, surface.position);
+    const SeenLight<float>& expected = slots.seen[static_cast<std::size_t>(i)];
+    same("visible", found.visible, expected.visible);
+    if (!found.visible) continue;
+    same("direction", found.direction, expected.direction);
+    same("sin2_half_radius", found.sin2_half_radius, expected.sin2_half_radius);
+    if (!(osl::inner_product(surface.n, found.direction) > 0)) continue;
+    const auto at = static_cast<std::size_t>(lights);
+    seen[at] = found;
+    leader[at] = lights;
+    slot[at] = i;
+    ++lights;
+  }
+  osl::group_lights(seen, leader, lights);
+  for (int i = 0; i < lights; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    same("leader", slot[static_cast<std::size_t>(leader[at])],
+         slots.leader[static_cast<std::size_t>(slot[at])]);
+    if (leader[at] != i) {
+      ++visits.led;
+      continue;
+    }
+    same("group_reach", osl::group_reach(seen, leader, lights, i),
+         group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]));
+
+    const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
+    const auto shader_way =
+        osl::pass_between(shader_layer, shader_flakes, library, surface, seen[at]);
+    const Passage<float> way = pass_between(layer, point, core_seen);
+    same("open", shader_way.open, way.open);
+    if (way.open) {
+      same("cos_alpha", shader_way.mirror.cos_alpha, way.mirror.cos_alpha);
+      same("sin2_half_beta", shader_way.mirror.sin2_half_beta, way.mirror.sin2_half_beta);
+      same("cone in the binder", shader_way.inside, way.inside);
+      same("surface transmittance", shader_way.surface_transmittance, way.surface);
+      same("cos_exit", shader_way.cos_exit, way.cos_exit);
+      same("passage's slant", shader_way.slant, way.slant);
+    }
+    const auto core_all = sparkle(layer, point, way, slot[at], paint.frame, paint.seed);
+    for (int species = 0; species < layer.species; ++species) {
+      const auto of = static_cast<std::size_t>(species);
+      compare(same,
+              osl::expect_sparkles(shader_layer, shader_flakes[of], library, point.footprint,
+                                   shader_way),
+              core_all.expected[of]);
+      const auto all = osl::sparkle(shader_layer, shader_flakes, library, surface, shader_way,
+                                    slot[at], paint.frame, paint.seed, 0, 1, species);
+      same("count", all.count, core_all.count[of]);
+      visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
+      visits.summed += all.count > kDrawnSparkles;
+      const float left = fluctuation_left(core_all.expected[of]);
+      visits.faded += left > 0 && left < 1;
+      visits.crowded += core_all.expected[of].slots > 0;
+      same("mean_count of sparkle", all.mean_count, core_all.expected[of].mean_count);
+      same("radiance", all.radiance, core_all.radiance);
+      same("mean_radiance", all.mean_radiance, core_all.mean_radiance);
+    }
+    // Composition.
+    const float alpha = static_cast<float>(paint.coat_roughness * paint.coat_roughness);
+    const float shine = osl::highlight(surface.n, surface.view, seen[at].direction,
+                                       seen[at].sin2_half_radius, alpha, 0.5f);
+    same("highlight", shine,
+         highlight(point.normal, point.view, core_seen.direction, core_seen.sin2_half_radius, alpha,
+                   0.5f));
+    same("greatest", osl::greatest(to_osl(core_all.radiance), osl::color(shine)),
+         greatest(core_all.radiance, grey(shine)));
+  }
+
+  const float cos_view = std::clamp(cos_seen, 1e-4f, 1.0f);
+  const auto substrate = static_cast<Rgb<float>>(paint.substrate_color);
+  const float cos_view_in = osl::min(osl::eta_cos_refracted(cos_view, layer.eta) / layer.eta, 1.0f);
+  const auto shader_mixture =
+      osl::mixture(shader_layer, shader_flakes, library,
+                   osl::slant_depth_of(shader_layer, shader_flakes, library, cos_view_in),
+                   to_osl(substrate), cos_view);
+  const Mixture<float> core_mixture = mixture(layer, substrate, cos_view);
+  same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
+  same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
+  same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
+
+  const auto roughness = static_cast<float>(paint.coat_roughness);
+  const auto shader_coat = osl::make_coat(cos_view, roughness, layer.eta);
+  const Coat<float> coat = make_coat(cos_view, roughness, layer.eta);
+  same("coat.reflected", shader_coat.reflected, coat.reflected);
+  same("coat.rest", shader_coat.rest, coat.rest);
+  const auto contrast = static_cast<float>(paint.texture_contrast);
+  same("texture",
+       osl::pixel_texture(contrast, point.footprint, point.pixel_x, point.pixel_y, paint.frame,
+                          paint.seed),
+       pixel_texture(contrast, point.footprint, point.pixel_x, point.pixel_y, paint.frame,
+                     paint.seed));
+
+  const HashWords words =
+      draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
+  const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
+  const auto shader_sample =
+      osl::sample_flake(shader_layer, shader_flakes, library, surface, osl::inside_unit(u), w);
+  const MirroredSample<float> sample = sample_flake(layer, point.normal, point.view, inside_unit(u),
+                                                    w, static_cast<float>(kLobeSpread));
+  same("sample's weight", shader_sample.weight, sample.weight);
+  same("sample's spread", shader_sample.spread, sample.spread);
+  if (max_component(sample.weight) > 0) {
+    ++visits.sampled;
+    same("sample's direction", shader_sample.direction, sample.direction);
+  }
+}
+
+TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
+  std::vector<float> library = shader_library();
+  const std::uint64_t seed = std::random_device{}();
+  Random random(seed);
+  long values = 0;
+  Visits visits;
+  const int scenes = 200'000 / kFewer;
+  for (int k = 0; k < scenes; ++k) {
+    const ParityScene scene = random_scene(random);
+    Same same;
+    compare(same, scene, library, visits);
+    values += same.seen();
+    TestScene shown;
+    shown.paint = scene.paint;
+    shown.normal = Vec3<double>(scene.point.normal);
+    shown.view = Vec3<double>(scene.point.view);
+    shown.footprint = static_cast<double>(scene.point.footprint);
+    ASSERT_EQ(same.different(), "") << "scene " << k << " of seed " << seed << ": " << shown;
+  }
+  RecordProperty("values", std::to_string(values));
+  // No branch is left out because the scenes never go there.
+  for (const long visited : {visits.led, visits.one_by_one, visits.summed, visits.faded,
+                             visits.crowded, visits.sampled}) {
+    EXPECT_GT(visited, scenes / 100) << "seed " << seed;
+  }
+}
+
+}  // namespace
