@@ -292,6 +292,7 @@ def test_nothing_but_the_explicit_call_changes_the_scenes_engine() -> None:
     assert (scene.render.engine, scene.cycles.shading_system) == ("CYCLES", True)
 
 
+@pytest.mark.every_blender
 def test_a_lit_paint_is_neither_black_nor_infinite(plane: bpy.types.Object, render: Render) -> None:
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     bpy.context.scene.collection.objects.link(sun)
@@ -302,6 +303,7 @@ def test_a_lit_paint_is_neither_black_nor_infinite(plane: bpy.types.Object, rend
     assert picture.mean() > 0.01
 
 
+@pytest.mark.every_blender
 def test_a_saved_file_has_no_undefined_node_and_keeps_the_bytecode(tmp_path: Path) -> None:
     material.create(Paint()).use_fake_user = True
     before = script_node().bytecode

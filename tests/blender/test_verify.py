@@ -7,6 +7,7 @@ The full sizes, with the statistics of the sparkles, are ./paint verify's.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import bpy
 import numpy as np
@@ -20,7 +21,13 @@ from verification import hashes, scenes
 SIZE = 48
 
 
-@pytest.mark.parametrize("spec", scenes.SCENES, ids=lambda spec: spec.name)
+def every_tenth_in_every_blender() -> Iterator[object]:
+    for number, spec in enumerate(scenes.SCENES):
+        marks = [] if number % 10 else [pytest.mark.every_blender]
+        yield pytest.param(spec, id=spec.name, marks=marks)
+
+
+@pytest.mark.parametrize("spec", list(every_tenth_in_every_blender()))
 def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
     scene = bpy.context.scene
     item = scenes.build(scene, spec, SIZE)
@@ -63,5 +70,6 @@ def test_a_wrong_prediction_is_found_out() -> None:
     assert comparison.unexplained > 10
 
 
+@pytest.mark.every_blender
 def test_the_hash_has_the_same_bits() -> None:
     assert hashes.check("test").holds

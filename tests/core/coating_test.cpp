@@ -106,7 +106,7 @@ TEST(CoatingLibrary, MetalsBlockAllTheirArea) {
 }
 
 // Against the double integral over all flakes; what optical_thickness.h states.
-TEST(CoatingLibrary, FourFlakesStandForAll) {
+TEST(CoatingLibrary, LongFourFlakesStandForAll) {
   Worst mica[3], silica[3];
   for (int kind = kFirstPearl; kind < kCoatingKinds; ++kind) {
     const auto which = static_cast<CoatingKind>(kind);

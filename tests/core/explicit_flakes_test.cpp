@@ -248,7 +248,7 @@ TEST(ExplicitFlakes, ModelHasTheirCountsAndRadiancesForNarrowCones) {
 }
 
 // Two or three species, most of a coating of the library, under one light.
-TEST(ExplicitFlakes, ModelHasTheCountsAndRadiancesOfSeveralSpecies) {
+TEST(ExplicitFlakes, LongModelHasTheCountsAndRadiancesOfSeveralSpecies) {
   Random random(103);
   Comparisons comparisons;
   for (int k = 0; k < 60 / kFewer;) {
@@ -309,7 +309,7 @@ TEST(ExplicitFlakes, ModelHasTheCountsAndRadiancesOfSeveralSpecies) {
 
 // Up to twice the tilt, where the model rounds the ellipse of normals to a disc of its solid angle
 // and takes T where the light's centre meets a flake.
-TEST(ExplicitFlakes, ModelIsWithinSomePerCentForWideCones) {
+TEST(ExplicitFlakes, LongModelIsWithinSomePerCentForWideCones) {
   Random random(101);
   struct Band {
     double from, to, count, radiance;  // cone in tilts; relative errors

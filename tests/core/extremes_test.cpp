@@ -162,7 +162,7 @@ TEST(Extremes, Footprints) {
   }
 }
 
-TEST(Extremes, RandomValidPaints) {
+TEST(Extremes, LongRandomValidPaints) {
   Random random(50);
   for (int k = 0; k < 4'000 && !HasFatalFailure(); ++k) {
     TestScene scene;

@@ -97,7 +97,7 @@ void expect_brdf(int first_seed) {
   worst.expect_at_most(threshold);
 }
 
-TEST(FlakeLobe, SamplesHaveTheMeanOfTheBrdfInDouble) { expect_brdf<double>(80); }
+TEST(FlakeLobe, LongSamplesHaveTheMeanOfTheBrdfInDouble) { expect_brdf<double>(80); }
 TEST(FlakeLobe, SamplesHaveTheMeanOfTheBrdfInFloat) { expect_brdf<float>(81); }
 
 }  // namespace

@@ -119,7 +119,7 @@ TEST(Orientation, DawsonSeriesHoldsItsStatedError) {
   worst.expect_at_most(4e-12);
 }
 
-TEST(Orientation, ProjectedAreaMatchesQuadratureOverAllFlakes) {
+TEST(Orientation, LongProjectedAreaMatchesQuadratureOverAllFlakes) {
   Worst wide, narrow, extreme;
   for (Orientation kind : kKinds) {
     for (float tilt : {1e-6f, 1e-4f, 0.01f, 0.03f, 0.08f, 0.15f, 0.25f, 0.29f, 0.4f, 0.6f, 0.8f,

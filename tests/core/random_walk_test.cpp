@@ -174,7 +174,7 @@ TEST(RandomWalk, LosesNothingBetweenPearls) {
 
 // Integral of BRDF cos over the hemisphere, the light's weights being those of next-event
 // estimation: nothing makes it 1 but right phase functions, solid angles and attenuations.
-TEST(RandomWalk, DetectorsSeeAllOfAWhiteFurnace) {
+TEST(RandomWalk, LongDetectorsSeeAllOfAWhiteFurnace) {
   constexpr int kSectors = 16, kRuns = 16;
   const auto& rule = metallic_paint::gauss_rule<float>();  // 12 nodes suffice
   Worst worst;

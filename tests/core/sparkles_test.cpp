@@ -115,7 +115,7 @@ TEST(Sparkles, DoubleFollowsLongDouble) {
   summed.expect_at_most(1e-8, "radiance_of_many");
 }
 
-TEST(Sparkles, FloatFollowsDouble) {
+TEST(Sparkles, LongFloatFollowsDouble) {
   Random random(22);
   Worst count, mean, variance, drawn, summed;
   int draws = 0, same = 0;

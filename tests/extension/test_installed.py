@@ -8,7 +8,10 @@ from pathlib import Path
 
 import addon_utils
 import bpy
+import pytest
 from package import NAME, Addon
+
+pytestmark = pytest.mark.every_blender
 
 HANDLERS = ("depsgraph_update_post", "load_post", "save_pre", "undo_pre", "undo_post", "redo_pre",
             "redo_post", "render_init", "render_complete", "render_cancel")  # fmt: skip

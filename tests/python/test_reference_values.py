@@ -50,6 +50,7 @@ def predict(row: dict) -> core.Pixels:
     )
 
 
+@pytest.mark.every_blender
 @pytest.mark.parametrize("row", ROWS)
 def test_count_and_radiance_are_those_of_traced_flakes(row: dict) -> None:
     result = predict(row)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from common import bars
-from common.processes import say
+from common.processes import run_program, say
 from common.report_folder import ACCURACY, REPORT, table
 
 from accuracy import plots
@@ -422,4 +422,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    run_program(main)

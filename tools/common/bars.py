@@ -15,6 +15,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from common import files
+
 
 @dataclass(frozen=True)
 class Bar:
@@ -44,7 +46,5 @@ def _bar(name: str, value: float, limit: float, unit: str, holds: bool) -> Bar:
 
 
 def write(rows: Sequence[Any], path: Path) -> None:
-    """Writes dataclasses, bars or others; the file whole or not at all."""
-    unfinished = path.with_name(f".{path.name}.unfinished")
-    unfinished.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
-    unfinished.replace(path)
+    """Writes dataclasses, bars or others."""
+    files.write(path, json.dumps([asdict(row) for row in rows], indent=2) + "\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Python environments under build/, brought up to date only when their inputs changed.
+"""The Python environments under build/, which uv makes and keeps as requirements/ says.
 
 Run as a program, this prepares the Blender that every machine can have.
 """
@@ -8,25 +8,35 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
+import os
 import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from common.processes import BUILD, ROOT, StepFailedError, run_program, run_step, say
 
 REQUIREMENTS = ROOT / "requirements"
 WHEEL_SOURCES = ("CMakeLists.txt", "VERSION", "pyproject.toml", "core", "bindings")
+UV = Path(sys.executable).with_name("uv")  # ./paint installs it beside this Python
+# pip's settings, of which a machine may have some, and uv's of the same meaning.
+PIP_AND_UV = {
+    "index-url": "UV_DEFAULT_INDEX",
+    "extra-index-url": "UV_INDEX",
+    "find-links": "UV_FIND_LINKS",
+    "cert": "SSL_CERT_FILE",
+}
 
 
 @dataclass(frozen=True)
 class Environment:
     name: str
-    requirements: Path
+    requirements: tuple[str, ...]
     contents: str
     note: str = ""
 
@@ -40,7 +50,7 @@ class Environment:
 
     @property
     def installed(self) -> Path:
-        """Holds the digest of what pip installed; only a whole environment has it."""
+        """Holds the digest of what was installed; only a whole environment has it."""
         return self.folder / ".requirements"
 
 
@@ -55,7 +65,7 @@ class Blender:
     def environment(self) -> Environment:
         return Environment(
             self.version,
-            REQUIREMENTS / f"blender-{self.version}.txt",
+            (f"blender-{self.version}.txt",),
             f"Blender {self.version}",
             " (350 MB, once)",
         )
@@ -68,15 +78,15 @@ class Blender:
 FIRST_BLENDER = Blender("4.5", "3.11")  # the Python of Debian 12
 BLENDERS = (FIRST_BLENDER, Blender("5.2", "3.13"))
 BLENDER_BETWEEN = Blender("5.0", "3.11")  # only the extension is tested here, with its own wheel
-TOOLS = Environment("tools", REQUIREMENTS / "tools.txt", "the formatters and linters")
-ACCURACY = Environment(
-    "accuracy", REQUIREMENTS / "accuracy.txt", "FLIP and the plots", " (80 MB, once)"
+FORM = Environment(
+    "tools",
+    ("tools.txt", "types.txt", "pytest.txt"),
+    "the formatters, the linters and the type checker",
+    " (35 MB, once)",
 )
-TYPES = Environment(
-    "types", REQUIREMENTS / "types.txt", "the type checker and Blender's types", " (35 MB, once)"
-)
-FUZZER = Environment("fuzz", REQUIREMENTS / "fuzz.txt", "the fuzzer")
-WHEELS = Environment("wheels", REQUIREMENTS / "wheels.txt", "auditwheel")
+ACCURACY = Environment("accuracy", ("accuracy.txt",), "FLIP and the plots", " (80 MB, once)")
+FUZZER = Environment("fuzz", ("fuzz.txt", "pytest.txt"), "the fuzzer")
+WHEELS = Environment("wheels", ("wheels.txt",), "auditwheel")
 
 
 def prepare_tool(environment: Environment) -> None:
@@ -90,20 +100,24 @@ def prepare_measure() -> None:
     """The plots' environment and in it the bindings: no Blender."""
     prepare_tool(ACCURACY)
     with alone():
-        _install_bindings(ACCURACY, "{}.{}".format(*sys.version_info))
+        _install_bindings(ACCURACY, FIRST_BLENDER.python_version)
 
 
 def prepare(blender: Blender, *, bindings: bool = True) -> None:
     python = find_python(blender.python_version)
     if python is None:
-        raise StepFailedError(
-            f"Blender {blender.version} needs a Python {blender.python_version} with its venv "
-            "module and its headers, and there is none here."
-        )
+        raise StepFailedError(f"Blender {blender.version} cannot be had: {lack_of(blender)}.")
     with alone():
         _install(blender.environment, python, _build_requirements() if bindings else [])
         if bindings:
             _install_bindings(blender.environment, blender.python_version)
+
+
+def lack_of(blender: Blender) -> str:
+    """What this machine lacks to run that Blender, or nothing."""
+    version = blender.python_version
+    has_all = find_python(version) is not None
+    return "" if has_all else f"no Python {version} with its venv module and headers here"
 
 
 def prepare_blenders() -> list[Blender]:
@@ -114,10 +128,11 @@ def prepare_blenders() -> list[Blender]:
             prepare(blender)
             prepared.append(blender)
         else:
-            say(f"Blender {blender.version} is left out: no Python {blender.python_version} here.")
+            say(f"Blender {blender.version} is left out: {lack_of(blender)}.")
     return prepared
 
 
+@cache
 def find_python(version: str) -> Path | None:
     on_path = shutil.which(f"python{version}")
     candidates = [Path(sys.executable), *([Path(on_path)] if on_path else [])]
@@ -143,61 +158,82 @@ def alone() -> Iterator[None]:
         yield
 
 
-def _install(environment: Environment, python: Path, extra: list[str]) -> None:
-    digest = digest_of(_with_included(environment.requirements), extra)
-    whole = environment.python.exists() and environment.installed.is_file()
-    if whole and _is_current(environment.installed, digest):
+def _install(environment: Environment, python: Path, extra: Sequence[str] = ()) -> None:
+    """Asks uv only where a list changed: to it bpy, whose wheel has a wrong tag, is never there."""
+    files = [REQUIREMENTS / name for name in environment.requirements]
+    digest = digest_of(_with_included(files), extra)
+    if environment.python.exists() and _is_current(environment.installed, digest):
         return
-    if whole:
-        say(f"Bringing the packages of {environment.contents} up to date…")
-    else:
+    if not environment.installed.exists():
         say(f"Installing {environment.contents}{environment.note}…")
-        environment.installed.unlink(missing_ok=True)
-        run_step(
+        _uv(
             f"Making the Python environment {environment.folder.name}",
-            [python, "-m", "venv", "--clear", environment.folder],
+            ["venv", "--clear", "--python", python, environment.folder],
             f"venv-{environment.name}.log",
         )
-    pip = [environment.python, "-m", "pip", "install", "--progress-bar=off"]
-    run_step(
+    else:
+        say(f"Bringing the packages of {environment.contents} up to date…")
+    lists = [part for file in files for part in ("-r", file)]
+    _uv(
         f"Installing {environment.contents}",
-        [*pip, "-r", environment.requirements, *extra],
-        f"pip-{environment.name}.log",
+        ["pip", "install", "--python", environment.python, *lists, *extra],
+        f"install-{environment.name}.log",
     )
     environment.installed.write_text(digest)
 
 
-def wheels(python_version: str) -> Path:
-    """Where the bindings' wheel for that Python is, for all environments that have it."""
+def wheel_of(python_version: str) -> Path:
+    """The bindings' wheel for that Python, which serves all environments that have it."""
+    [wheel] = _wheels(python_version).glob("*.whl")
+    return wheel
+
+
+def _wheels(python_version: str) -> Path:
     return BUILD / f"wheels-{python_version}"
 
 
 def _install_bindings(environment: Environment, python_version: str) -> None:
-    stamp = environment.folder / ".bindings"
+    stamp, built = environment.folder / ".bindings", _wheels(python_version)
     sources = digest_of((ROOT / name for name in WHEEL_SOURCES), _build_requirements())
     digest = digest_of([], [sources, environment.installed.read_text()])
-    built = wheels(python_version)
     is_built = _is_current(built / ".sources", sources)
     if is_built and _is_current(stamp, digest):
         return
-    pip = [environment.python, "-m", "pip"]
     if not is_built:
         say(f"Building the bindings for Python {python_version}…")
         shutil.rmtree(built, ignore_errors=True)
-        strict = "--config-settings=cmake.define.METALLIC_PAINT_WERROR=ON"
-        options = ["--no-deps", "--no-build-isolation", strict, "--wheel-dir", built]
-        run_step(
+        # In the environment itself, so that CMake finds the same paths again.
+        options = ["--no-build-isolation", "-C", "cmake.define.METALLIC_PAINT_WERROR=ON"]
+        _uv(
             "Building the bindings",
-            [*pip, "wheel", *options, ROOT],
+            ["build", "--wheel", "--python", environment.python, *options, "-o", built, ROOT],
             f"wheel-{python_version}.log",
         )
         (built / ".sources").write_text(sources)
-    run_step(
+    _uv(
         "Installing the bindings",
-        [*pip, "install", "--no-deps", "--force-reinstall", *built.glob("*.whl")],
-        f"install-{environment.name}.log",
-    )
+        ["pip", "install", "--python", environment.python, "--no-deps", "--reinstall",
+         wheel_of(python_version)],
+        f"bindings-{environment.name}.log",
+    )  # fmt: skip
     stamp.write_text(digest)
+
+
+def _uv(what: str, arguments: Sequence[str | Path], log_name: str) -> None:
+    run_step(what, ["env", *_uv_settings(), UV, *arguments], log_name)
+
+
+@cache
+def _uv_settings() -> list[str]:
+    """uv fetches no Python, and looks for packages where pip would, whose settings it ignores."""
+    pip = [sys.executable, "-m", "pip", "config", "list"]
+    said = subprocess.run(pip, capture_output=True, text=True, check=False).stdout
+    settings = {"UV_PYTHON_DOWNLOADS": "never"}
+    for line in said.splitlines():  # global.index-url='…', and :env:. last, which prevails
+        name, _, value = line.partition("=")
+        if (setting := PIP_AND_UV.get(name.rpartition(".")[2])) and setting not in os.environ:
+            settings[setting] = value.strip("'\"")
+    return [f"{name}={value}" for name, value in settings.items()]
 
 
 def _build_requirements() -> list[str]:
@@ -205,11 +241,12 @@ def _build_requirements() -> list[str]:
     return tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
 
 
-def _with_included(requirements: Path) -> Iterator[Path]:
-    yield requirements
-    for line in requirements.read_text().splitlines():
-        if line.startswith("-r "):
-            yield from _with_included(requirements.parent / line.removeprefix("-r ").strip())
+def _with_included(lists: Iterable[Path]) -> Iterator[Path]:
+    for file in lists:
+        yield file
+        for line in file.read_text().splitlines():
+            if line.startswith("-r "):
+                yield from _with_included([file.parent / line.removeprefix("-r ").strip()])
 
 
 def digest_of(paths: Iterable[Path], words: Iterable[str] = ()) -> str:

@@ -117,8 +117,14 @@ def run_program(main: Callable[[], int]) -> NoReturn:
     except StepFailedError as error:
         sys.exit(str(error))
     except _InterruptedError as interruption:
-        print("\nInterrupted.", file=sys.stderr)
+        if is_outermost():
+            print("\nInterrupted.", file=sys.stderr)
         sys.exit(128 + interruption.args[0])
+
+
+def is_outermost() -> bool:
+    """Whether nobody of ours says what befell us: what run_limited starts leads a session."""
+    return os.getsid(0) != os.getpid()
 
 
 def _interrupt(number: int, _frame: object) -> None:

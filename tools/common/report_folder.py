@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from common import files
 from common.processes import StepFailedError
 
 REPORT = "README.md"
@@ -37,28 +37,15 @@ class ReportFolder:
         report = out / REPORT
         if report.exists() and self.mark not in report.read_text(errors="replace"):
             raise StepFailedError(f"{report} is not a report of ./paint {self.command}.")
-        unfinished = _unfinished(out)
-        try:
-            unfinished.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise StepFailedError(f"--out {out}: cannot be written ({error.strerror}).") from error
-        shutil.rmtree(unfinished, ignore_errors=True)
+        if why := files.obstacle(out):
+            raise StepFailedError(f"--out {out}: cannot be written ({why}).")
 
     @contextmanager
     def fill(self, out: Path) -> Iterator[Path]:
         """A new folder that takes the place of `out` if the block ends well."""
-        unfinished = _unfinished(out)
-        try:
-            unfinished.mkdir(parents=True)
-            yield unfinished
-            earlier = unfinished.with_suffix(".earlier")
-            shutil.rmtree(earlier, ignore_errors=True)
-            if out.exists():
-                out.rename(earlier)
-            unfinished.rename(out.absolute())
-            shutil.rmtree(earlier, ignore_errors=True)
-        finally:
-            shutil.rmtree(unfinished, ignore_errors=True)
+        with files.whole(out) as folder:
+            folder.mkdir()
+            yield folder
 
 
 ACCURACY = ReportFolder("accuracy", ("choices.png", "draws.png", "depth.png", "pictures.png"))
@@ -72,23 +59,14 @@ GALLERY = ReportFolder(
 )  # fmt: skip
 
 
-def check_file(file: Path, out: Path) -> None:
-    """Finds out before the measuring whether --json can be written."""
-    if out.resolve() in file.resolve().parents:
+def check_file(file: Path, out: Path | None = None) -> None:
+    """Finds out before the work whether --json can be written."""
+    if out and out.resolve() in file.resolve().parents:
         raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
     if file.is_dir():
         raise StepFailedError(f"--json {file}: a folder.")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StepFailedError(
-            f"--json {file}: no folder to write to ({error.strerror})."
-        ) from error
-
-
-def _unfinished(out: Path) -> Path:
-    whole = out.absolute()
-    return whole.with_name(f".{whole.name}.unfinished")
+    if why := files.obstacle(file):
+        raise StepFailedError(f"--json {file}: no folder to write to ({why}).")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:

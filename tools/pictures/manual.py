@@ -6,12 +6,12 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from common import files
 from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program, say
 from metallic_paint.paint import PARAMETERS, Paint, presets, shader_value, value_of
 
@@ -230,16 +230,13 @@ def main() -> int:
     out: Path = arguments.out
     program = [sys.executable, TOOLS, "pictures.manual_pictures"]
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=out) as beside:
-            for number, name in enumerate(names, 1):
-                say(f"{name} ({number} of {len(names)})…")
+        for number, name in enumerate(names, 1):
+            say(f"{name} ({number} of {len(names)})…")
+            with files.whole(out / f"{name}.jpg") as picture:
                 # One process each, as for the gallery.
-                picture = Path(beside) / f"{name}.jpg"
                 code = run_limited([*program, name, "--out", picture], seconds=SECONDS)
                 if code != 0:
                     raise StepFailedError(f"{name} failed ({describe(code)}).")
-                picture.replace(out / picture.name)
     except OSError as error:
         raise StepFailedError(f"--out {out}: cannot be written ({error.strerror}).") from error
     say(f"{out}, {time.monotonic() - start:.0f} s in all")

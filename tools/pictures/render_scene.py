@@ -25,7 +25,8 @@ from typing import IO, NoReturn
 import bpy
 import numpy as np
 import OpenImageIO
-from common import blender_env
+from common import blender_env, files
+from common.processes import is_outermost
 from metallic_paint.paint import Paint, material, presets
 from metallic_paint.scene import needs
 
@@ -40,7 +41,6 @@ STUDIO_SAMPLES = 32
 VIEW_TRANSFORM = "Standard"
 
 _console: IO[str] = sys.stdout
-_unfinished: set[Path] = set()
 
 
 class RenderError(Exception):
@@ -77,15 +77,15 @@ def _watch_signals() -> None:
 
     def wait() -> None:
         number = os.read(reader, 1)[0]
-        say("\nInterrupted.")
+        if is_outermost():
+            say("\nInterrupted.")
         _end(128 + number)
 
     threading.Thread(target=wait, daemon=True).start()
 
 
 def _end(code: int) -> NoReturn:
-    for file in list(_unfinished):
-        file.unlink(missing_ok=True)
+    files.remove_unfinished()
     blender_env.finish(code)
 
 
@@ -158,30 +158,15 @@ def load_paint(name: str) -> Paint:
         raise RenderError(str(error)) from error
 
 
-def check_outputs(files: Sequence[Path]) -> None:
-    """Finds out before the work whether the files can be written, and makes their folders."""
-    for file in files:
+def check_outputs(pictures: Sequence[Path]) -> None:
+    """Finds out before the work whether the files can be written."""
+    for file in pictures:
         if file.suffix.lower() not in SUFFIXES:
             raise RenderError(f"{file}: a picture's name ends in {' or '.join(SUFFIXES)}.")
         if file.is_dir():
             raise RenderError(f"{file} cannot be written: it is a folder.")
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            with _unfinished_file(file) as beside:
-                beside.touch()
-        except OSError as error:
-            raise RenderError(f"{file} cannot be written: {error.strerror}.") from error
-
-
-@contextlib.contextmanager
-def _unfinished_file(file: Path) -> Iterator[Path]:
-    beside = file.with_name(f".{file.stem}.{os.getpid()}{file.suffix}")
-    _unfinished.add(beside)
-    try:
-        yield beside
-    finally:
-        beside.unlink(missing_ok=True)
-        _unfinished.discard(beside)
+        if why := files.obstacle(file):
+            raise RenderError(f"{file} cannot be written: {why}.")
 
 
 # --- the picture -----------------------------------------------------------------------------
@@ -257,14 +242,14 @@ def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
                 yield thing
 
 
-def render(scene: bpy.types.Scene, files: Sequence[Path], preset: str) -> None:
+def render(scene: bpy.types.Scene, pictures: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
     start = time.monotonic()
     with _progress():
         report = take(scene)
     seconds = time.monotonic() - start
-    _write(scene, files)
-    for file in files:
+    _write(scene, pictures)
+    for file in pictures:
         say(f"{file} ({_describe(file, scene)})")
     w, h = size(scene)
     say(f"{preset}, {w} × {h} pixels, {scene.cycles.samples} samples, {seconds:.0f} s")
@@ -281,16 +266,14 @@ def take(scene: bpy.types.Scene) -> needs.Needs:
     return report
 
 
-def _write(scene: bpy.types.Scene, files: Sequence[Path]) -> None:
-    with contextlib.ExitStack() as stack:
-        beside = [stack.enter_context(_unfinished_file(file)) for file in files]
-        for unfinished in beside:
-            save(scene, unfinished)
-        for unfinished, file in zip(beside, files, strict=True):
-            try:
-                unfinished.replace(file)
-            except OSError as error:
-                raise RenderError(f"{file} cannot be written: {error.strerror}.") from error
+def _write(scene: bpy.types.Scene, pictures: Sequence[Path]) -> None:
+    try:
+        with contextlib.ExitStack() as stack:
+            for picture in pictures:
+                save(scene, stack.enter_context(files.whole(picture)))
+    except OSError as error:
+        names = " and ".join(map(str, pictures))
+        raise RenderError(f"{names} cannot be written: {error.strerror}.") from error
 
 
 def _describe(file: Path, scene: bpy.types.Scene) -> str:

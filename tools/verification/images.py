@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO
+from common import files
 
 GAP = 8  # pixels between the panels
 
@@ -26,7 +27,6 @@ def write_comparison(path: Path, picture: np.ndarray, core: np.ndarray) -> None:
     )
     encoded = np.clip(row[::-1], 0, 1) ** (1 / 2.2)
     image = OpenImageIO.ImageBuf(np.ascontiguousarray(encoded, dtype=np.float32))
-    unfinished = path.with_name(f".{path.name}")
-    if not image.write(str(unfinished), OpenImageIO.UINT8, "png"):
-        raise OSError(f"{path} cannot be written: {image.geterror()}")
-    unfinished.replace(path)
+    with files.whole(path) as beside:
+        if not image.write(str(beside), OpenImageIO.UINT8, "png"):
+            raise OSError(f"{path} cannot be written: {image.geterror()}")

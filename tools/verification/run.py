@@ -6,12 +6,11 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 
-from common import environments
+from common import bars, environments, files
 from common.bars import Bar
 from common.processes import (
     BUILD,
@@ -23,6 +22,7 @@ from common.processes import (
     run_program,
     say,
 )
+from common.report_folder import check_file
 
 SECONDS = 4 * 3600
 OUT = ROOT / "out" / "verify"
@@ -32,10 +32,8 @@ FIELDS = {field.name for field in fields(Bar)}
 def verify(blender: environments.Blender, arguments: list[str]) -> tuple[int, list[Bar]]:
     """The exit code of one Blender's run and its part of the report."""
     part = BUILD / "verify" / f"blender-{blender.version}.json"
-    part.parent.mkdir(parents=True, exist_ok=True)
     part.unlink(missing_ok=True)
     out = OUT / f"blender-{blender.version}"
-    out.mkdir(parents=True, exist_ok=True)
     say(f"Verifying in Blender {blender.version}…")
     program = [blender.python, TOOLS, "verification.verify"]
     command = [*program, "--json", part, "--out", out, *arguments]
@@ -44,14 +42,14 @@ def verify(blender: environments.Blender, arguments: list[str]) -> tuple[int, li
 
 
 def _read(part: Path) -> list[Bar]:
-    bars = json.loads(part.read_text())
-    for bar in bars:
+    found = json.loads(part.read_text())
+    for bar in found:
         if bar.keys() != FIELDS:
             raise StepFailedError(
                 f"{part.relative_to(ROOT)} holds a bar with the fields {sorted(bar)}; "
                 f"the report's form is {sorted(FIELDS)}."
             )
-    return [Bar(**bar) for bar in bars]
+    return [Bar(**bar) for bar in found]
 
 
 def worst_table(report: Sequence[Bar]) -> Iterator[str]:
@@ -60,8 +58,8 @@ def worst_table(report: Sequence[Bar]) -> Iterator[str]:
     for bar in report:
         kinds.setdefault((_quantity(bar), bar.limit, bar.unit), []).append(bar)
     rows = [("quantity", "worst", "limit", "scene")]
-    for (quantity, limit, unit), bars in kinds.items():
-        worst = max(bars, key=_badness)
+    for (quantity, limit, unit), alike in kinds.items():
+        worst = max(alike, key=_badness)
         what, _, bound = quantity.rpartition(", ")
         value = "not measured" if worst.value is None else f"{worst.value:.7g}"
         of_unit = "" if unit == "1" else f" {unit}"
@@ -83,24 +81,6 @@ def _badness(bar: Bar) -> float:
     return -bar.value if bar.name.endswith("at least") else bar.value
 
 
-def _make_folder(file: Path) -> None:
-    """Finds out before hours of rendering whether the report can be written."""
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StepFailedError(f"--json {file}: no folder to write to ({error}).") from error
-
-
-def write_whole(file: Path, text: str) -> None:
-    """Leaves the earlier file in place until the new one is complete."""
-    partial = file.with_name(f".{file.name}.{os.getpid()}")
-    try:
-        partial.write_text(text)
-        partial.replace(file)
-    finally:
-        partial.unlink(missing_ok=True)
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(
         prog="paint verify", description="Compares renders with the core, pixel by pixel."
@@ -109,20 +89,20 @@ def main() -> int:
     arguments, others = parser.parse_known_args()
     file = arguments.json
     if file:
-        _make_folder(file)
+        check_file(file)
 
     report, broken = [], []
     for blender in environments.prepare_blenders():
-        code, bars = verify(blender, others)
-        report += bars
-        if code not in (0, 1) or not bars:
+        code, found = verify(blender, others)
+        report += found
+        if code not in (0, 1) or not found:
             broken.append(f"Blender {blender.version} ({describe(code)})")
     if broken:
         raise StepFailedError(f"No whole report: the run failed in {', '.join(broken)}.")
     if file:
-        write_whole(file, json.dumps([asdict(bar) for bar in report], indent=2) + "\n")
+        bars.write(report, file)
     text = OUT / "report.txt"
-    write_whole(text, "".join(f"{bar}\n" for bar in report))
+    files.write(text, "".join(f"{bar}\n" for bar in report))
     say("")
     for line in worst_table(report):
         say(line)

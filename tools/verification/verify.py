@@ -308,7 +308,6 @@ def main() -> int:
         "--only", default="", metavar="TEXT", help="only scenes with TEXT in the name"
     )
     arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
     scenes = [s for s in verify_scenes.SCENES if arguments.only in s.name]
     if not scenes:
         print(f"No scene has “{arguments.only}” in its name.", file=sys.stderr)

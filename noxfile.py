@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sessions of ./paint test, each with its results as JUnit XML in build/results.
+
+The environments are those of the other commands too (tools/common/environments.py): nox makes none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import nox
+
+sys.path.insert(0, str(Path(__file__).parent / "tools"))
+
+from checks.run import RESULTS, group
+from common import environments
+from common.environments import BLENDER_BETWEEN, BLENDERS, FIRST_BLENDER, Blender
+from common.processes import BUILD, ROOT, StepFailedError
+from extension import build
+
+nox.needs_version = ">=2026.10"
+nox.options.default_venv_backend = "none"
+
+AT_ONCE = "2"  # Blenders; most of a test's time is one thread compiling the shader
+SECONDS = 900  # of one GoogleTest; pytest's limit is in pyproject.toml
+LONG = r"(^|[./])Long"  # a GoogleTest's suite or name
+
+PLACES = {blender.version: blender for blender in (*BLENDERS, BLENDER_BETWEEN)}
+
+
+def in_each(blenders: Iterable[Blender]) -> Callable:
+    return nox.parametrize("version", [nox.param(b.version, id=b.version) for b in blenders])
+
+
+def asked(session: nox.Session) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("-k", metavar="TEXT", default="")
+    return parser.parse_args(session.posargs)
+
+
+@nox.session
+def form(session: nox.Session) -> None:
+    """Formatters, linters, types."""
+    run_pytest(session, environments.FORM)
+
+
+@nox.session
+def core(session: nox.Session) -> None:
+    run_core(session, "")
+
+
+@nox.session(default=False)
+def sanitized(session: nox.Session) -> None:
+    """The core's tests under the address and undefined-behaviour sanitizers."""
+    run_core(session, "address,undefined")
+
+
+def run_core(session: nox.Session, sanitizers: str) -> None:
+    choice = asked(session)
+    if choice.k not in group(session.name):
+        return
+    folder = BUILD / ("sanitize" if sanitizers else "tests")
+    with environments.alone():
+        session.run("cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "--log-level=WARNING",
+                    "-DMETALLIC_PAINT_WERROR=ON", f"-DMETALLIC_PAINT_SANITIZE={sanitizers}",
+                    f"-DMETALLIC_PAINT_LONG_TESTS={'ON' if choice.all else 'OFF'}")  # fmt: skip
+        session.run("cmake", "--build", folder, "--target", "core_tests")
+        left_out = [] if choice.all else ["-E", LONG]
+        session.run("ctest", "--test-dir", folder, "--parallel", AT_ONCE, *left_out,
+                    "--timeout", str(SECONDS), "--output-on-failure", "--progress",
+                    "--output-junit", RESULTS / f"{session.name}.xml")  # fmt: skip
+
+
+@nox.session
+@in_each(BLENDERS)
+def python(session: nox.Session, version: str) -> None:
+    """The bindings and what else needs no Blender, in the Python of each."""
+    run_pytest(session, PLACES[version])
+
+
+@nox.session
+@in_each(BLENDERS)
+def blender(session: nox.Session, version: str) -> None:
+    run_pytest(session, PLACES[version])
+
+
+@nox.session
+@in_each(PLACES.values())
+def extension(session: nox.Session, version: str) -> None:
+    """The zip as a user installs it."""
+    run_pytest(session, PLACES[version])
+
+
+@nox.session
+def fuzz(session: nox.Session) -> None:
+    run_pytest(session, environments.FUZZER)
+
+
+def run_pytest(session: nox.Session, place: Blender | environments.Environment) -> None:
+    """The files of the session's room, two processes at once; those of other Blenders in part."""
+    choice = asked(session)
+    room = session.name.partition("(")[0]
+    files = [
+        file
+        for file in sorted((ROOT / "tests" / room).glob("test_*.py"))
+        if choice.k in group(session.name, file.stem.removeprefix("test_"))
+    ]
+    if not files or (room == "fuzz" and not choice.all):
+        return
+    marks = [] if choice.all else ["not long"]
+    if isinstance(place, Blender) and place != FIRST_BLENDER and not choice.all:
+        marks.append("every_blender")
+    prepare(session, place)
+    session.run(place.python, "-m", "pytest", "-q", "-c", ROOT / "pyproject.toml",
+                f"--rootdir={ROOT}", "-n", AT_ONCE, "--dist", "worksteal",
+                "-m", " and ".join(marks), f"--junit-xml={RESULTS / f'{session.name}.xml'}",
+                *files)  # fmt: skip
+
+
+def prepare(session: nox.Session, place: Blender | environments.Environment) -> None:
+    try:
+        if isinstance(place, environments.Environment):
+            environments.prepare_tool(place)
+        elif lack := environments.lack_of(place):
+            session.skip(lack)
+        else:
+            environments.prepare(place, bindings=place != BLENDER_BETWEEN)
+            if session.name.startswith("extension"):
+                build_zip()
+    except StepFailedError as error:
+        session.error(str(error))
+
+
+def build_zip() -> None:
+    """The zip that tests/extension installs."""
+    build.build(environments.prepare_blenders(), build.TESTED, build.own_platform())

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands write is there whole or not at all, with no folder made for it either."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from common import files
+from common.processes import TOOLS
+from common.report_folder import MEASURE, check_file
+
+# As ./paint accuracy and ./paint measure: a program that starts another, which writes.
+INNER = """
+import sys, time
+sys.path.insert(0, sys.argv[1])
+from pathlib import Path
+from common import files
+from common.processes import run_program
+
+def main():
+    with files.whole(Path(sys.argv[2])) as folder:
+        folder.mkdir()
+        (folder / "part").write_text("a part")
+        print("writing", flush=True)
+        time.sleep(60)
+    return 0
+
+run_program(main)
+"""
+OUTER = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from common.processes import run_limited, run_program
+
+run_program(lambda: run_limited([sys.executable, "-c", *sys.argv[2:]], seconds=60))
+"""
+
+
+def test_what_is_written_takes_the_place_of_what_was(tmp_path: Path) -> None:
+    file, folder = tmp_path / "new" / "file.json", tmp_path / "folder"
+    folder.mkdir()
+    (folder / "old").write_text("old")
+    files.write(file, "one")
+    files.write(file, "two")
+    with files.whole(folder) as beside:
+        beside.mkdir()
+        (beside / "new").write_text("new")
+    assert file.read_text() == "two"
+    assert [path.name for path in folder.iterdir()] == ["new"]
+    assert sorted(tmp_path.iterdir()) == [folder, file.parent]
+    assert list(file.parent.iterdir()) == [file]
+
+
+def test_a_failure_leaves_everything_as_it_was(tmp_path: Path) -> None:
+    file = tmp_path / "file.txt"
+    file.write_text("old")
+    for path in (file, tmp_path / "new" / "deep" / "file.txt"):
+        with pytest.raises(KeyboardInterrupt), files.whole(path) as beside:  # noqa: PT012
+            beside.write_text("new")
+            raise KeyboardInterrupt
+    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_text() == "old"
+
+
+def test_a_folder_made_on_the_way_stays_if_somebody_uses_it(tmp_path: Path) -> None:
+    path = tmp_path / "a" / "b" / "c"
+    with pytest.raises(ValueError, match="stop"), files.whole(path) as beside:  # noqa: PT012
+        (beside.parent.parent / "theirs").write_text("theirs")
+        raise ValueError("stop")
+    assert [path.name for path in tmp_path.rglob("*")] == ["a", "theirs"]
+
+
+def test_an_obstacle_is_found_before_and_nothing_is_made(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
+    assert files.obstacle(tmp_path / "new" / "deep" / "file.json") == ""
+    assert files.obstacle(tmp_path / "file" / "file.json") == "Not a directory"
+    assert files.obstacle(tmp_path / "dangling" / "file.json") == "Not a directory"
+    check_file(tmp_path / "new" / "bars.json", tmp_path / "report")
+    MEASURE.check(tmp_path / "new" / "report")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["dangling", "file"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_nothing_and_is_said_once(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    out = tmp_path / "new" / "deep" / "report"
+    process = subprocess.Popen(
+        [sys.executable, "-c", OUTER, TOOLS, INNER, TOOLS, out],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "writing\n"
+    assert out.parent.is_dir()
+    start = time.monotonic()
+    process.send_signal(number)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert said.count("Interrupted.") == 1
+    assert time.monotonic() - start < 30
+    assert not list(tmp_path.iterdir())

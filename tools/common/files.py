@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Output is written whole or not at all: neither a part of it nor a folder made for it is left."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+_unfinished: dict[Path, list[Path]] = {}  # with the folders made for each, innermost first
+
+
+def obstacle(path: Path) -> str:
+    """Why nothing can be written there, found out before minutes of work; it makes nothing."""
+    there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
+    if not there.is_dir():
+        return os.strerror(errno.ENOTDIR)
+    return "" if os.access(there, os.W_OK | os.X_OK) else os.strerror(errno.EACCES)
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A path beside it for a new file or folder, which takes its place if the block ends well."""
+    path = path.absolute()
+    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    _unfinished[beside] = [folder for folder in path.parents if not folder.exists()]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield beside
+        if path.is_dir():  # only an empty one would give way
+            earlier = beside.with_suffix(".earlier")
+            path.rename(earlier)
+            beside.rename(path)
+            shutil.rmtree(earlier)
+        else:
+            beside.replace(path)
+    except BaseException:
+        _remove(beside)
+        raise
+    del _unfinished[beside]
+
+
+def write(path: Path, text: str) -> None:
+    with whole(path) as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
+def remove_unfinished() -> None:
+    """What a program that ends at once calls; else whole() does."""
+    for beside in list(_unfinished):
+        _remove(beside)
+
+
+def _remove(beside: Path) -> None:
+    if beside.is_dir():
+        shutil.rmtree(beside, ignore_errors=True)
+    else:
+        beside.unlink(missing_ok=True)
+    with suppress(OSError):  # a folder that holds something else by now stays
+        for folder in _unfinished.pop(beside):
+            folder.rmdir()
