@@ -15,7 +15,7 @@ from common.processes import ROOT
 from common.report_folder import ACCURACY, REPORT
 
 SECONDS = 900  # the first run builds and installs
-GROUPS = ("number type", "orientation", "blocked area", "coating", "count", "sum", "radiometry",
+GROUPS = ("number type", "orientation", "blocked area", "count", "sum", "radiometry",
           "depth", "flake spread", "all together")  # fmt: skip
 
 pytestmark = pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="runs with Python 3.11")

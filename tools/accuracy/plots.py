@@ -44,7 +44,9 @@ def _choices(results: Results, file: Path) -> None:
     groups = [group for group in results.groups if "ε" not in group]
     figure, grid = plt.subplots(5, 2, figsize=(11.5, 15.5), layout="constrained", sharey=True)
     *panels, last = grid.flat
-    for axes, group in zip(panels, groups, strict=True):
+    for spare in panels[len(groups) :]:
+        spare.set_axis_off()
+    for axes, group in zip(panels[: len(groups)], groups, strict=True):
         points = [(c, c.time, max(c.error, NONE)) for c in results.of(group)]
         front = sorted((time, error) for c, time, error in points if not c.dominated_by)
         axes.step(*zip(*front, strict=True), where="post", color=COLOUR, lw=1.2, alpha=0.6)
