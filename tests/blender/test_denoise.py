@@ -22,6 +22,7 @@ from metallic_paint.interface import denoise as interface
 from metallic_paint.paint import material, presets
 from metallic_paint.scene import needs
 from metallic_paint.scene.report import report
+from metallic_paint.verify import diagnostics
 from recording import drawn
 from scenery import add_lamp, link_namesake, show_as_instance
 
@@ -90,16 +91,16 @@ def plain(scene: bpy.types.Scene, samples: int, seed: int) -> np.ndarray:
 
 
 def sparkles_alone(scene: bpy.types.Scene) -> np.ndarray:
-    node = material.paint_node(scene.objects["Sphere"].active_material)
+    sphere = scene.objects["Sphere"]
     bounces, scene.cycles.max_bounces = scene.cycles.max_bounces, 0
     scene.objects["Area"].hide_render = True
     world, scene.world = scene.world, None
     scene.objects["Plane"].visible_camera = False
-    node.inputs["Diagnostic"].default_value = verify.SPARKLES
     try:
-        return picture(scene, REFERENCE_SAMPLES, 99)
+        with diagnostics.variants([sphere.active_material]):
+            diagnostics.show([sphere], verify.SPARKLES)
+            return picture(scene, REFERENCE_SAMPLES, 99)
     finally:
-        node.inputs["Diagnostic"].default_value = 0
         scene.objects["Plane"].visible_camera = True
         scene.world, scene.cycles.max_bounces = world, bounces
         scene.objects["Area"].hide_render = False

@@ -265,7 +265,7 @@ def test_every_place_is_sound(subtests: pytest.Subtests, spec: Scene) -> None:
             lights.fill(probe.scene)
             try:
                 check(Shown.by(probe), SILVER, geometry)
-                picture = verify.render(probe.scene)
+                picture = probe.picture()
                 assert (np.isfinite(picture) & (picture >= 0)).all()
             finally:
                 bpy.data.objects.remove(light)

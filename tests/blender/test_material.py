@@ -52,8 +52,7 @@ EVERYTHING_ELSE = Paint(
 def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
-    parameters = ["int Frame = 0", "int Diagnostic = 0", "int DiagnosticLight = 0",
-                  "int DiagnosticSpecies = 0", "float OtherLight = 0", "float MetersPerUnit = 1",
+    parameters = ["int Frame = 0", "float OtherLight = 0", "float MetersPerUnit = 1",
                   "normal Normal = N", "normal CoatNormal = Normal"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
         default = shader_value(parameter, value_of(paint, name))
@@ -66,7 +65,7 @@ def probe(body: str) -> str:
         parameters += [f"float {kind} = 0", f"vector {vector} = 0", f"float {size} = 0"]
     return (
         f"shader metallic_paint({', '.join(parameters)},\n"
-        "output closure color BSDF = 0, output color Shown = 0)\n"
+        "output closure color BSDF = 0)\n"
         f"{{ color value = 0; {body} BSDF = value * emission(); }}\n"
     )
 
@@ -175,17 +174,21 @@ def test_a_socket_is_wired_to_its_parameter(name: str) -> None:
     assert (link.from_node.type, link.from_socket.name) == ("GROUP_INPUT", parameter.label)
 
 
-def test_panels_stand_in_order_and_diagnostics_are_closed() -> None:
+def test_panels_stand_in_order_and_further_flakes_are_closed() -> None:
     items = material.node_group().interface.items_tree
     panels = [item for item in items if item.item_type == "PANEL"]
-    assert [panel.name for panel in panels] == [*PANELS, "Diagnostics"]
+    assert [panel.name for panel in panels] == list(PANELS)
     assert {panel.name for panel in panels if panel.default_closed} == {
-        "Second Flakes", "Third Flakes", "Diagnostics",
+        "Second Flakes", "Third Flakes",
     }  # fmt: skip
-    assert {item.name: item.parent.name for item in items if item.name.startswith("Diagn")} == {
-        "Diagnostics": "", "Diagnostic": "Diagnostics", "Diagnostic Light": "Diagnostics",
-        "Diagnostic Species": "Diagnostics",
-    }  # fmt: skip
+
+
+def test_the_paint_that_ships_shows_no_inner_values() -> None:
+    group = material.node_group()
+    (script,) = (node for node in group.nodes if node.type == "SCRIPT")
+    assert [socket.name for socket in script.outputs] == ["BSDF"]
+    for tree_or_node in (interface(), script.inputs.keys()):
+        assert not [name for name in tree_or_node if name.startswith("Diagn") or name == "Shown"]
 
 
 def test_light_slots_are_no_sockets_of_the_group() -> None:
@@ -389,14 +392,14 @@ def test_every_value_of_a_paint_reaches_the_shader(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
     shown = "".join(
-        f"if (Diagnostic == {i}) value = {parameter.shader};"
+        f"if (Frame == {i}) value = {parameter.shader};"
         for i, parameter in enumerate(PARAMETERS.values())
     )
     use_source(probe(shown))
     paint = material.create(EVERYTHING_ELSE)
     material.assign(plane, paint)
     for i, (name, parameter) in enumerate(PARAMETERS.items()):
-        material.paint_node(paint).inputs["Diagnostic"].default_value = i
+        material.paint_node(paint).inputs["Frame"].default_value = i
         expected = shader_value(parameter, value_of(EVERYTHING_ELSE, name))
         np.testing.assert_allclose(render()[8, 8], expected, rtol=1e-6, err_msg=name)
 
@@ -413,6 +416,7 @@ def test_a_shader_that_does_not_compile_is_an_error_with_the_compilers_words(
     assert not bpy.data.node_groups
     assert not bpy.data.texts
     assert not bpy.data.materials
+    assert "unheard_of" in "".join(capfd.readouterr())  # the console has it too
     for stream in (1, 2):
         os.write(stream, b"heard again")
     assert capfd.readouterr() == ("heard again", "heard again")

@@ -311,7 +311,7 @@ def add_lights(
 def samples_for(probe: verify.Probe, error: float) -> int:
     """How many leave such a relative standard error, by a picture of 8."""
     probe.scene.cycles.samples = 8
-    mean, found = mean_of(verify.render(probe.scene))
+    mean, found = mean_of(probe.picture())
     return int(np.clip(8 * (found / mean / error).max() ** 2, 8, MOST_SAMPLES))
 
 

@@ -183,7 +183,7 @@ def test_paint_has_a_highlight_and_a_substrate() -> None:
     for paint in (dark, light):
         probe = probe_of()
         material.apply(probe.materials[0], paint)
-        pictures.append(verify.render(probe.scene))
+        pictures.append(probe.picture())
         bpy.ops.wm.read_factory_settings(use_empty=True)
     assert spec.paint is not None
     assert pictures[0].max() < 1e-3

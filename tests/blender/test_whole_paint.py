@@ -69,7 +69,7 @@ def test_a_lossless_paint_vanishes_in_a_white_world(name: str) -> None:
         probe = probe_of(dataclasses.replace(PLANE, paint=LOSSLESS[name], elevation=elevation))
         white_world()
         probe.scene.cycles.max_bounces, probe.scene.cycles.samples = 1, 64
-        picture = verify.render(probe.scene).reshape(-1, 3)
+        picture = probe.picture().reshape(-1, 3)
         error = picture.std(axis=0) / np.sqrt(len(picture))
         assert (error < 0.002).all(), error
         off = np.abs(picture.mean(axis=0) - 1)
@@ -96,7 +96,7 @@ def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
         needs.fit(probe.scene)
         probe.scene.cycles.samples = 4
         irradiance = bpy.data.lights["Sun"].energy * np.sin(np.radians(45))
-        found.append(np.pi * verify.render(probe.scene).reshape(-1, 3).mean(axis=0) / irradiance)
+        found.append(np.pi * probe.picture().reshape(-1, 3).mean(axis=0) / irradiance)
     detectors = [goniophotometer.direction(np.radians(45 - a)) for a in angles]
     walk = core.random_walk(
         core_paint(paint), goniophotometer.direction(-np.radians(45)), detectors=detectors,
@@ -133,7 +133,7 @@ def test_a_pixel_shows_the_sum_or_the_greater_of_sparkles_and_the_rest(compositi
 
     def shown(name: str) -> np.ndarray:
         probe.set("Composition", ("exact", "published").index(name))
-        return verify.render(probe.scene) @ LUMINANCE
+        return probe.picture() @ LUMINANCE
 
     added, found = shown("exact"), shown(composition)
     slot = lights.node_group().nodes[lights.slot_names(1)[0]]
@@ -173,10 +173,10 @@ def mirrored_directions(probe: verify.Probe) -> np.ndarray:
     tree.links.new(coordinates.outputs["Generated"], half.inputs[0])
     tree.links.new(half.outputs[0], tree.nodes["Background"].inputs["Color"])
     probe.scene.cycles.max_bounces = 1
-    picture = verify.render(probe.scene)
+    picture = probe.picture()
     # Twice a radiance less its own constant: the length of a direction is 1.
     tree.links.remove(tree.nodes["Background"].inputs["Color"].links[0])
-    reflectance = verify.render(probe.scene)
+    reflectance = probe.picture()
     return 2 * picture / reflectance - 1
 
 
@@ -205,7 +205,7 @@ def test_orange_peel_tilts_the_mirror_by_its_slope(slope: float, scale: tuple) -
 def test_a_coat_normal_turns_the_highlight_and_not_the_flakes() -> None:
     spec = dataclasses.replace(LIT, paint=dataclasses.replace(LIT.paint, coat_roughness=0.3))
     probe = probe_of(spec)
-    whole, sparkles = verify.render(probe.scene), probe.image(verify.SPARKLES)
+    whole, sparkles = probe.picture(), probe.image(verify.SPARKLES)
     tree = probe.materials[0].node_tree
     geometry = tree.nodes.new("ShaderNodeNewGeometry")
     add = tree.nodes.new("ShaderNodeVectorMath")
@@ -216,7 +216,7 @@ def test_a_coat_normal_turns_the_highlight_and_not_the_flakes() -> None:
     tree.links.new(add.outputs[0], normalize.inputs[0])
     tree.links.new(normalize.outputs[0], probe.nodes[0].inputs[material.COAT_NORMAL])
     np.testing.assert_array_equal(probe.image(verify.SPARKLES), sparkles)
-    moved = verify.render(probe.scene) - sparkles
+    moved = probe.picture() - sparkles
 
     def column(image: np.ndarray) -> float:
         bright = image.sum(axis=-1) > 0.7 * image.sum(axis=-1).max()

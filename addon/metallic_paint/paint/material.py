@@ -35,12 +35,10 @@ from .parameters import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 3  # of the group's interface: another layout, another version
+VERSION = 4  # of the group's interface: another layout, another version
 OUTPUT = "BSDF"
-SHOWN = "Shown"  # the shader's diagnostic, a colour
 NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
 MODEL_SCALE = "Model Scale"
-DIAGNOSTICS = "Diagnostics"
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
@@ -60,7 +58,6 @@ _PANEL_DESCRIPTIONS = {
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
     LIGHTS: "How the lights that sparkle show on this paint",
-    DIAGNOSTICS: "Inner values of the shader instead of the paint, for tests",
 }
 
 
@@ -81,7 +78,7 @@ _NORMAL_DESCRIPTIONS = {
     NORMAL: "Normal of the surface, for bump or normal maps",
     COAT_NORMAL: "Normal of the binder's surface where it is not that of the flakes",
 }
-_SHUT = (SECOND, THIRD, DIAGNOSTICS)  # panels that start closed
+_SHUT = (SECOND, THIRD)  # panels that start closed
 
 # At normal incidence, of those of paint.COATINGS that are metals; linear RGB.
 _METALS = {
@@ -94,17 +91,6 @@ _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
         "Another number, another draw of the same flakes. Type #frame to draw anew in each frame",
-    ),
-    "Diagnostic": _Extra(
-        "Diagnostic", DIAGNOSTICS, 0, INT_MAX, 0,
-        "0 the paint; otherwise the inner value to show, as the shader's text numbers them",
-    ),
-    "DiagnosticLight": _Extra(
-        "Diagnostic Light", DIAGNOSTICS, 1, lights.SLOTS, 1,
-        "The light slot whose inner value to show",
-    ),
-    "DiagnosticSpecies": _Extra(
-        "Diagnostic Species", DIAGNOSTICS, 1, 3, 1, "The flake species whose count to show",
     ),
 }  # fmt: skip
 
@@ -337,6 +323,11 @@ def _own_group(
     return None
 
 
+def mark(group: bpy.types.NodeTree, source: str) -> None:
+    """As a paint's group of today's version, with the shader of that source."""
+    group[_MARK], group[_SOURCE_MARK] = VERSION, digest(source)
+
+
 def version(group: bpy.types.NodeTree) -> int:
     """Of a paint's group, at least 1; 0 for other groups."""
     return group.get(_MARK, 0)
@@ -357,8 +348,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
     except Exception:
         bpy.data.node_groups.remove(group)
         raise
-    group[_MARK] = VERSION
-    group[_SOURCE_MARK] = digest(text)
+    mark(group, text)
     return group
 
 
@@ -382,7 +372,7 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected |= {*_EXTRAS, *_NORMALS, lights.METERS_PER_UNIT, lights.OTHER_LIGHT}
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
-    expected |= {OUTPUT, SHOWN}
+    expected.add(OUTPUT)
     found = {socket.identifier for socket in (*script.inputs, *script.outputs)}
     if missing := sorted(expected - found):
         raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
@@ -403,16 +393,11 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
 
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
     group.links.new(script.outputs[OUTPUT], out.inputs[OUTPUT])
-    group.interface.new_socket(
-        SHOWN, in_out="OUTPUT", socket_type="NodeSocketColor",
-        description="The inner value that Diagnostic names, for tests",
-    )  # fmt: skip
-    group.links.new(script.outputs[SHOWN], out.inputs[SHOWN])
     panels = {
         name: group.interface.new_panel(
             name, description=_PANEL_DESCRIPTIONS[name], default_closed=name in _SHUT
         )
-        for name in (*PANELS, DIAGNOSTICS)
+        for name in PANELS
     }
     for name, parameter in PARAMETERS.items():
         _add_parameter(group, name, panels[parameter.panel])

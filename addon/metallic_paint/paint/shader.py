@@ -27,11 +27,15 @@ _COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
 _ORIGIN = re.compile(r'^#.*\n|[ \t]*%filename\{"[^"\n]*"\}|[ \t]*%line\{\d+\}', re.MULTILINE)
 
 
-def source() -> str:
-    """The OSL source with its includes inside: a script node in a .blend finds no files."""
+def source(diagnostics: bool = False) -> str:
+    """The OSL source with its includes inside: a script node in a .blend finds no files.
+
+    With diagnostics, the variant that can show inner values instead of the paint.
+    """
     for folder in FOLDERS:
         if (folder / FILE).is_file():
-            return flatten(folder / FILE)
+            text = flatten(folder / FILE)
+            return f"#define DIAGNOSTICS 1\n{text}" if diagnostics else text
     raise FileNotFoundError(f"{FILE} is in none of {', '.join(map(str, FOLDERS))}.")
 
 
@@ -67,17 +71,28 @@ def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None
     what the compiler said.
     """
     node.mode = "INTERNAL"
-    with tempfile.TemporaryFile() as said:
-        with _cycles_scene(), output_into(said):
-            node.script = text
-        said.seek(0)
-        message = said.read().decode(errors="replace").strip()
-    if not node.bytecode or not node.outputs:
-        raise RuntimeError(
-            f"{text.name} does not compile as OSL: {message or 'the compiler said nothing'}"
-        )
+    with _cycles_scene():
+        node.script = text
+        if not node.bytecode or not node.outputs:
+            said = _compilers_words(node, text) or "the compiler said nothing"
+            raise RuntimeError(f"{text.name} does not compile as OSL: {said}")
     node.bytecode = _ORIGIN.sub("", node.bytecode)
     node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
+
+
+def _compilers_words(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> str:
+    """Of a text that does not compile: what oslc says when it is asked once more.
+
+    oslc is a library within Blender, which writes to the process's standard output and error and
+    nowhere else. So for this one call, both lead into a file. Where the text compiles, as it does
+    unless Blender is broken, nothing is redirected.
+    """
+    with tempfile.TemporaryFile() as said:
+        node.script = None
+        with _output_into(said):
+            node.script = text
+        said.seek(0)
+        return said.read().decode(errors="replace").strip()
 
 
 @contextmanager
@@ -93,8 +108,8 @@ def _cycles_scene() -> Iterator[None]:
 
 
 @contextmanager
-def output_into(file: IO[bytes]) -> Iterator[None]:
-    """Sends what the process writes into a file: oslc and Cycles speak nowhere else."""
+def _output_into(file: IO[bytes]) -> Iterator[None]:
+    """Sends what the process writes into a file."""
     streams = [stream for stream in (sys.stdout, sys.stderr) if stream is not None]
     try:
         kept = [(fd, os.dup(fd)) for fd in (1, 2)]

@@ -7,7 +7,7 @@ from .comparison import (
     compare,
     predict,
 )
-from .probe import (
+from .diagnostics import (
     CONE,
     COUNT,
     DIFFUSE,
@@ -26,6 +26,8 @@ from .probe import (
     SPARKLES,
     TEXTURE,
     VIEW,
+)
+from .probe import (
     Geometry,
     Probe,
     make_noiseless,

@@ -20,7 +20,8 @@ from ..native import core_lights
 from ..paint import core_paint, material
 from ..scene import lights, sight
 from .comparison import MOST_RADIANCE_ERROR, compare, predict
-from .probe import CONE, COUNT, IRRADIANCE, SPARKLES, Probe
+from .diagnostics import CONE, COUNT, IRRADIANCE, SPARKLES
+from .probe import Probe
 
 if TYPE_CHECKING:
     from metallic_paint_core._native import Light, Paint, Pixels

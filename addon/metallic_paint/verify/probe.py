@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of the shader's inner values, without noise.
 
-The shader shows them beside the paint (Diagnostic and Shown): where each pixel looks, and what it
-computed there.
+They tell where each pixel looks, and what the shader computed there (diagnostics.py).
 
 Every array here is (height, width, ...) with row 0 at the bottom, as the shader counts pixels.
 """
@@ -19,12 +18,8 @@ from typing import Literal
 import bpy
 import numpy as np
 
-from ..paint import material, shader
-
-# The shader's diagnostics, as osl/metallic_paint.osl numbers them.
-COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
-IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE, GLOSSY, ROUGHNESS = range(10, 19)
-LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
+from ..paint import material
+from .diagnostics import NORMAL, PIXEL, POSITION, RASTER, VIEW, show, variants
 
 
 @dataclass(frozen=True)
@@ -84,8 +79,7 @@ def render_channels(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "probe.exr"
         scene.render.filepath = str(path)
-        with (Path(folder) / "chatter").open("wb") as chatter, shader.output_into(chatter):
-            bpy.ops.render.render(write_still=True, scene=scene.name)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
         channels, part = {}, 0
         image = OpenImageIO.ImageBuf(str(path))
         parts = image.nsubimages
@@ -99,12 +93,17 @@ def render_channels(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
 
 
 class Probe:
-    """Renders a scene's paint, one value at a time, without noise."""
+    """Renders a scene's paint, one value at a time, without noise.
+
+    From its first image until close() or picture(), the paint is the variant that shows them.
+    """
 
     def __init__(self, scene: bpy.types.Scene, materials: list[bpy.types.Material]) -> None:
         self.scene = scene
         self.materials = materials
         self.nodes = [material.paint_node(m) for m in materials]
+        self._variants = contextlib.ExitStack()
+        self._diagnosing = False
         make_noiseless(scene)
 
     def set(self, socket: str, value: object) -> None:
@@ -113,16 +112,30 @@ class Probe:
 
     def image(self, diagnostic: int, light: int = 0, species: int = 0) -> np.ndarray:
         """(h, w, 3) float32: the diagnostic of the light slot and flake species (0-based)."""
-        self.set("Diagnostic", diagnostic)
-        self.set("Diagnostic Light", light + 1)
-        self.set("Diagnostic Species", species + 1)
-        try:
-            if diagnostic in LIT:
-                return render(self.scene)
-            with _all_emitting(self.materials):
-                return render(self.scene)
-        finally:
-            self.set("Diagnostic", 0)
+        self._show(diagnostic, light, species)
+        return render(self.scene)
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) float32: the paint with the shader that ships."""
+        self.close()
+        return render(self.scene)
+
+    def close(self) -> None:
+        """The paint is as it was."""
+        self._variants.close()
+        self._diagnosing = False
+
+    def _show(self, diagnostic: int, light: int = 0, species: int = 0) -> None:
+        if not self._diagnosing:
+            self._variants.enter_context(variants(self.materials))
+            self._variants.enter_context(_persistent_data(self.scene))
+            self._diagnosing = True
+        painted = [
+            thing
+            for thing in self.scene.objects
+            if any(slot.material in self.materials for slot in thing.material_slots)
+        ]
+        show(painted, diagnostic, light, species)
 
     def geometry(self) -> Geometry:
         view = self.image(VIEW)
@@ -143,8 +156,8 @@ class Probe:
         layer.use_pass_position = layer.use_pass_normal = True
         write_floats(self.scene, "OPEN_EXR_MULTILAYER")
         try:
-            with _all_emitting(self.materials):
-                channels = render_channels(self.scene)
+            self._show(VIEW)
+            channels = render_channels(self.scene)
         finally:
             write_floats(self.scene, "OPEN_EXR")
             layer.use_pass_position = layer.use_pass_normal = False
@@ -170,25 +183,10 @@ class Probe:
 
 
 @contextlib.contextmanager
-def _all_emitting(materials: list[bpy.types.Material]) -> Iterator[None]:
-    with contextlib.ExitStack() as stack:
-        for painted in materials:
-            stack.enter_context(_emitting(painted))
-        yield
-
-
-@contextlib.contextmanager
-def _emitting(painted: bpy.types.Material) -> Iterator[None]:
-    """Lets the material emit what its paint shows, instead of its surface."""
-    nodes, links = painted.node_tree.nodes, painted.node_tree.links
-    surface = painted.node_tree.get_output_node("CYCLES").inputs["Surface"]
-    was = [link.from_socket for link in surface.links]
-    emission = nodes.new("ShaderNodeEmission")
+def _persistent_data(scene: bpy.types.Scene) -> Iterator[None]:
+    """Cycles keeps the scene and its compiled shaders from one picture to the next."""
+    was, scene.render.use_persistent_data = scene.render.use_persistent_data, True
     try:
-        links.new(material.paint_node(painted).outputs[material.SHOWN], emission.inputs["Color"])
-        links.new(emission.outputs[0], surface)
         yield
     finally:
-        nodes.remove(emission)
-        for socket in was:
-            links.new(socket, surface)
+        scene.render.use_persistent_data = was
