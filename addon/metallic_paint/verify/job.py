@@ -163,8 +163,10 @@ def _modules() -> dict[str, str]:
     """Where the other process finds what it imports, under the names it knows them by."""
     import metallic_paint_core
     import OpenImageIO
+    import oslquery
 
-    found = {module.__name__: module.__file__ for module in (metallic_paint_core, OpenImageIO)}
+    modules = (metallic_paint_core, OpenImageIO, oslquery)  # Cycles needs the last to compile
+    found = {module.__name__: module.__file__ for module in modules}
     return {**found, "metallic_paint": str(Path(__file__).parent.with_name("__init__.py"))}
 
 
