@@ -2,12 +2,14 @@
 """Makes what of the extension is rendered: swatches of the presets, and an asset library of them.
 
 In the folder: swatches/PRESET.jpg, assets/metallic_paint.blend, assets/blender_assets.cats.txt.
+Some presets at a time, several programs can render the swatches; one makes the library of all.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from common import blender_env
@@ -27,14 +29,14 @@ CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
 CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 
 
-def render_swatches(folder: Path) -> None:
-    folder.mkdir(parents=True)
+def render_swatches(folder: Path, names: Sequence[str]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
     ball = scenes.small_swatch(scene)
     painted = material.create(render_scene.load_paint(presets.names()[0]))
     material.assign(ball, painted)
     painted.pass_index = render_scene.PAINT_INDEX
-    for name in presets.names():
+    for name in names:
         material.apply(painted, render_scene.load_paint(name))
         render_scene.take(scene)
         settings = scene.render.image_settings
@@ -75,11 +77,14 @@ def _set_preview(painted: bpy.types.Material, file: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="a new folder")
-    out = parser.parse_args().out
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder")
+    parser.add_argument("--swatches", nargs="+", metavar="PRESET", help="render these, no more")
+    asked = parser.parse_args()
     with render_scene.quiet():
-        render_swatches(out / "swatches")
-        write_library(out / "assets", out / "swatches")
+        if asked.swatches:
+            render_swatches(asked.out / "swatches", asked.swatches)
+        else:
+            write_library(asked.out / "assets", asked.out / "swatches")
 
 
 if __name__ == "__main__":
