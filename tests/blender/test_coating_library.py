@@ -9,11 +9,11 @@ import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
+from common.processes import ROOT
 from metallic_paint import verify
 from metallic_paint.paint import shader
 
 SIZE = 64
-ROOT = Path(shader.__file__).resolve().parents[2]
 
 # Thickness from left to right, cosine upwards, from end to end.
 PROBE = """#include "{osl}/coating.h"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import sys
+from collections.abc import Iterable
 
 import bpy
 import metallic_paint_core as core
@@ -316,7 +316,14 @@ def samples_for(probe: verify.Probe, error: float) -> int:
 
 
 # The second Blender has the same shader: a few paints show that it runs it alike.
-@pytest.mark.parametrize("k", range(0, len(PAINTS), 1 if sys.version_info[:2] == (3, 11) else 4))
+def some(numbers: Iterable[int], step: int) -> list[object]:
+    """Of these paints every so many; the others with --all."""
+    return [
+        pytest.param(k, marks=[pytest.mark.long] if i % step else []) for i, k in enumerate(numbers)
+    ]
+
+
+@pytest.mark.parametrize("k", some(range(len(PAINTS)), 5))
 def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> None:
     paint = PAINTS[k]
     probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
@@ -374,14 +381,14 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
 
 
 # The third shows almost nothing of its flakes beside the rest.
-@pytest.mark.parametrize("k", [3, 11, 19])
+@pytest.mark.parametrize("k", some((3, 11, 19), 3))
 def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> None:
     probe = scene_with(PAINTS[k], elevation=ELEVATIONS[k])
     add_world(1.0)
     expect_equal(probe.image(verify.LOBE), albedo(PAINTS[k], view_of(probe)))
 
 
-@pytest.mark.parametrize("k", range(2, len(PAINTS), 4))
+@pytest.mark.parametrize("k", some(range(2, len(PAINTS), 4), 5))
 def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
     paint = PAINTS[k]
     probe = scene_with(paint, elevation=ELEVATIONS[k])

@@ -21,13 +21,15 @@ from verification import hashes, scenes
 SIZE = 48
 
 
-def every_tenth_in_every_blender() -> Iterator[object]:
+def marked() -> Iterator[object]:
+    """Every fourth scene runs without --all, every eighth in every Blender."""
     for number, spec in enumerate(scenes.SCENES):
-        marks = [] if number % 10 else [pytest.mark.every_blender]
-        yield pytest.param(spec, id=spec.name, marks=marks)
+        long = [pytest.mark.long] if number % 4 else []
+        everywhere = [] if number % 8 else [pytest.mark.every_blender]
+        yield pytest.param(spec, id=spec.name, marks=long + everywhere)
 
 
-@pytest.mark.parametrize("spec", list(every_tenth_in_every_blender()))
+@pytest.mark.parametrize("spec", list(marked()))
 def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
     scene = bpy.context.scene
     item = scenes.build(scene, spec, SIZE)

@@ -38,6 +38,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[dict], str
     return out, json.loads(file.read_text()), done.stdout
 
 
+@pytest.mark.long
 def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str]) -> None:
     _, found, _ = run
     for bar in found:
@@ -48,6 +49,7 @@ def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str
         assert any(part in name for name in names), part
 
 
+@pytest.mark.long
 def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
     text = (out / REPORT).read_text()
@@ -70,6 +72,7 @@ def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[di
     assert "nan" not in text
 
 
+@pytest.mark.long
 def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
     shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", (out / REPORT).read_text())
@@ -81,6 +84,7 @@ def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[di
         assert 10_000 < len(data) < 500_000
 
 
+@pytest.mark.long
 def test_the_conclusions_are_said_as_well(run: tuple[Path, list[dict], str]) -> None:
     out, _, said = run
     text = (out / REPORT).read_text()
