@@ -144,7 +144,7 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
         require_shape("cos_alpha", cosine, {size});
         py::array_t<float> colours({py::ssize_t{2}, size, py::ssize_t{3}});
         for (py::ssize_t i = 0; i < size; ++i) {
-          require_coating("coating", kind.at(i), nm.at(i));
+          require_library_coating("coating", kind.at(i), nm.at(i));
           validate_cosine(cosine.at(i));
           Coating<float> coating{};
           coating.kind = static_cast<CoatingKind>(kind.at(i));

@@ -4,47 +4,116 @@
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "module.h"
 #include "validation.h"
 
 namespace py = pybind11;
-using metallic_paint::Composition;
-using metallic_paint::DepthModel;
-using metallic_paint::Diffraction;
 using metallic_paint::FlakeSpecies;
-using metallic_paint::Orientation;
 using metallic_paint::Paint;
-using metallic_paint::Radiometry;
+using metallic_paint::Range;
 using metallic_paint::Rgb;
 
 namespace {
 
-using Triple = std::array<double, 3>;
-
-template <auto field, class Class>
-void def_field(Class& cls, const char* name, const char* range) {
-  using C = typename Class::type;
-  using T = std::remove_cvref_t<decltype(std::declval<C>().*field)>;
-  cls.def_property(
-      name, [](const C& c) { return c.*field; },
-      [name, range](C& c, py::handle v) { c.*field = from_python<T>(name, v, range); });
+std::string between(const Range& range) {
+  return " from " + metallic_paint::text(range.least) + " to " + metallic_paint::text(range.most) +
+         range.unit;
 }
 
-// A colour field as a tuple of three floats.
-template <auto field, class Class>
-void def_colour(Class& cls, const char* name) {
-  using C = typename Class::type;
-  cls.def_property(
-      name, [](const C& c) { return py::make_tuple((c.*field).x, (c.*field).y, (c.*field).z); },
-      [name](C& c, py::handle value) {
-        const Triple v = from_python<Triple>(name, value, kThreeNumbers);
-        c.*field = {v[0], v[1], v[2]};
-      });
+// What a field takes beyond the range, which validate() holds it to: how it goes in and out, and
+// what else it would have to be.
+template <class Value>
+struct Field;
+
+template <>
+struct Field<double> {
+  static std::string must_be(const Range& range) { return "a number" + between(range); }
+  static double to_python(double value) { return value; }
+  static double from(const char* name, py::handle value, const std::string& must, const Range&) {
+    if (PyBool_Check(value.ptr())) reject(name, value, must);
+    return from_python<double>(name, value, must.c_str());
+  }
+};
+
+template <>
+struct Field<int> {
+  static std::string must_be(const Range&) { return kInt32; }
+  static int to_python(int value) { return value; }
+  static int from(const char* name, py::handle value, const std::string& must, const Range&) {
+    if (PyBool_Check(value.ptr())) reject(name, value, must);
+    return from_python<int>(name, value, must.c_str());
+  }
+};
+
+template <>
+struct Field<Rgb<double>> {
+  static std::string must_be(const Range& range) { return "three numbers" + between(range); }
+  static py::tuple to_python(const Rgb<double>& c) { return py::make_tuple(c.x, c.y, c.z); }
+  static Rgb<double> from(const char* name, py::handle value, const std::string& must,
+                          const Range&) {
+    const auto channels = from_python<std::array<py::object, 3>>(name, value, must.c_str());
+    std::array<double, 3> v{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      try {
+        if (PyBool_Check(channels[i].ptr())) reject(name, value, must);
+        v[i] = channels[i].cast<double>();
+      } catch (const py::cast_error&) {
+        reject(name, value, must);
+      }
+    }
+    return {v[0], v[1], v[2]};
+  }
+};
+
+// A choice is given by its enumerator, its word or its number.
+template <class Choice>
+  requires std::is_enum_v<Choice>
+struct Field<Choice> {
+  static std::string must_be(const auto& words) {
+    std::string all = words.front();
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      all += (i + 1 < words.size() ? ", " : " or ") + std::string(words[i]);
+    }
+    return all;
+  }
+  static Choice to_python(Choice value) { return value; }
+  static Choice from(const char* name, py::handle value, const std::string& must,
+                     const auto& words) {
+    if (py::isinstance<py::str>(value)) {
+      const auto found = std::find(words.begin(), words.end(), value.cast<std::string>());
+      if (found == words.end()) reject(name, value, must);
+      return static_cast<Choice>(found - words.begin());
+    }
+    try {
+      return value.cast<Choice>();
+    } catch (const py::cast_error&) {
+    }
+    // Other choices are whole numbers too.
+    const py::object any_choice = py::module_::import("enum").attr("Enum");
+    if (PyBool_Check(value.ptr()) || py::isinstance(value, any_choice)) reject(name, value, must);
+    const int number = from_python<int>(name, value, must.c_str());
+    if (number < 0 || number >= static_cast<int>(words.size())) reject(name, value, must);
+    return static_cast<Choice>(number);
+  }
+};
+
+// Of a visitor of the parameters of C: gives the class a property for each.
+template <class C, class Class>
+auto properties_of(Class& cls) {
+  return [&cls](const char* name, auto member, const auto& range) {
+    using Value = std::remove_cvref_t<decltype(std::declval<C>().*member)>;
+    cls.def_property(
+        name, [member](const C& c) { return Field<Value>::to_python(c.*member); },
+        [name, member, range, must = Field<Value>::must_be(range)](C& c, py::handle value) {
+          c.*member = Field<Value>::from(name, value, must, range);
+        });
+  };
 }
 
 // An object of that class with these fields.
@@ -66,68 +135,29 @@ C from_keywords(const py::kwargs& fields) {
 }  // namespace
 
 void bind_paint(py::module_& module) {
-  py::native_enum<Orientation>(
-      module, "Orientation", "enum.IntEnum",
-      R"doc(The shape of P(beta): the paper's Gaussian in beta, or the field's Beckmann and GGX.)doc")
-      .value("gaussian", Orientation::gaussian)
-      .value("beckmann", Orientation::beckmann)
-      .value("ggx", Orientation::ggx)
-      .finalize();
-  py::native_enum<DepthModel>(
-      module, "DepthModel", "enum.IntEnum",
-      R"doc(With (attenuated) or without (thinned) masking and shadowing: paper, 5.3.2.)doc")
-      .value("attenuated", DepthModel::attenuated)
-      .value("thinned", DepthModel::thinned)
-      .finalize();
-  py::native_enum<Radiometry>(
-      module, "Radiometry", "enum.IntEnum",
-      R"doc(The energy-conserving derivation, or the paper's formulas to the letter.)doc")
-      .value("exact", Radiometry::exact)
-      .value("published", Radiometry::published)
-      .finalize();
-
-  py::native_enum<Composition>(
-      module, "Composition", "enum.IntEnum",
-      R"doc(Sparkles add to the paint's other light, or a pixel takes the brighter of both.)doc")
-      .value("exact", Composition::exact)
-      .value("published", Composition::published)
-      .finalize();
-  py::native_enum<Diffraction>(
-      module, "Diffraction", "enum.IntEnum",
-      R"doc(What a flake's edge adds to its spread: nothing, or the diffraction by a disc.)doc")
-      .value("none", Diffraction::none)
-      .value("disc", Diffraction::disc)
-      .finalize();
+  metallic_paint::each_choice(
+      [&module](const char* name, auto choice, const auto& words, const char* explanation) {
+        using Choice = decltype(choice);
+        py::native_enum<Choice> type(module, name, "enum.IntEnum", explanation);
+        for (std::size_t i = 0; i < words.size(); ++i) {
+          std::string word = words[i];
+          std::replace(word.begin(), word.end(), '-', '_');
+          type.value(word.c_str(), static_cast<Choice>(i));
+        }
+        type.finalize();
+      });
 
   py::class_<FlakeSpecies> species(
       module, "FlakeSpecies",
-      R"doc(One species of flakes, in real units: see struct FlakeSpecies in core/paint.h.
+      R"doc(One species of flakes, in real units: see struct FlakeSpecies in core/parameters.h.
 
-The fields are checked when a Paint is.)doc");
+The fields are checked when a Paint is. A choice takes its word, too.)doc");
   species.def(py::init(&from_keywords<FlakeSpecies>));
-  def_field<&FlakeSpecies::flakes_per_mm2>(species, "flakes_per_mm2", kNumber);
-  def_field<&FlakeSpecies::flake_diameter_um>(species, "flake_diameter_um", kNumber);
-  def_field<&FlakeSpecies::flake_area_spread>(species, "flake_area_spread", kNumber);
-  def_field<&FlakeSpecies::orientation>(species, "orientation",
-                                        "Orientation.gaussian, .beckmann or .ggx");
-  def_field<&FlakeSpecies::tilt>(species, "tilt", kNumber);
-  def_field<&FlakeSpecies::flake_spread>(species, "flake_spread", kNumber);
-  def_colour<&FlakeSpecies::flake_color>(species, "flake_color");
-  def_colour<&FlakeSpecies::flake_edge_color>(species, "flake_edge_color");
-  def_colour<&FlakeSpecies::flake_transmission>(species, "flake_transmission");
-  species.def_property(
-      "coating", [](const FlakeSpecies& f) { return static_cast<int>(f.coating); },
-      [](FlakeSpecies& f, py::handle value) {
-        const int kind = from_python<int>("coating", value, "a whole number from 0 to 14");
-        metallic_paint::require_coating("coating", kind, 0);
-        f.coating = static_cast<metallic_paint::CoatingKind>(kind);
-      });
-  def_field<&FlakeSpecies::coating_nm>(species, "coating_nm", kNumber);
+  metallic_paint::each_flake_parameter(properties_of<FlakeSpecies>(species));
 
   py::class_<Paint, FlakeSpecies> paint(
       module, "Paint",
-      R"doc(A paint in real units; the defaults are the shader's, but without diffraction. See struct
-Paint in core/paint.h.
+      R"doc(A paint in real units, with the shader's defaults. See struct Paint in core/parameters.h.
 
 Its own flakes are the first species; more holds the two others. Fields given as keywords are
 checked on construction, all fields again on use.)doc");
@@ -140,21 +170,11 @@ checked on construction, all fields again on use.)doc");
       .def(
           "validate", [](const Paint& p) { metallic_paint::validate(p); },
           R"doc(Raises ValueError where a field is out of its range.)doc");
-  def_field<&Paint::more>(paint, "more", "two FlakeSpecies");
-  def_field<&Paint::diffraction>(paint, "diffraction", "Diffraction.none or .disc");
-  def_field<&Paint::binder_ior>(paint, "binder_ior", kNumber);
-  def_field<&Paint::layer_thickness_um>(paint, "layer_thickness_um", kNumber);
-  def_field<&Paint::rayleigh_per_mm>(paint, "rayleigh_per_mm", kNumber);
-  def_field<&Paint::depth_model>(paint, "depth_model", "DepthModel.attenuated or .thinned");
-  def_field<&Paint::radiometry>(paint, "radiometry", "Radiometry.exact or .published");
-  def_field<&Paint::composition>(paint, "composition", "Composition.exact or .published");
-  def_field<&Paint::sparkle_contrast>(paint, "sparkle_contrast", kNumber);
-  def_colour<&Paint::substrate_color>(paint, "substrate_color");
-  def_field<&Paint::texture_contrast>(paint, "texture_contrast", kNumber);
-  def_field<&Paint::coat_roughness>(paint, "coat_roughness", kNumber);
-  def_field<&Paint::orange_peel>(paint, "orange_peel", kNumber);
-  def_field<&Paint::orange_peel_mm>(paint, "orange_peel_mm", kNumber);
-  def_field<&Paint::seed>(paint, "seed", kInt32);
-  def_field<&Paint::frame>(paint, "frame", kInt32);
-  def_colour<&Paint::binder_absorption_per_mm>(paint, "binder_absorption_per_mm");
+  metallic_paint::each_paint_parameter(properties_of<Paint>(paint));
+  properties_of<Paint>(paint)("frame", &Paint::frame, Range{});
+  paint.def_property(
+      "more", [](const Paint& p) { return p.more; },
+      [](Paint& p, py::handle value) {
+        p.more = from_python<decltype(p.more)>("more", value, "two FlakeSpecies");
+      });
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "choices.h"
 #include "vector.h"
 
 namespace metallic_paint {
@@ -14,24 +15,7 @@ namespace metallic_paint {
 // What a flake is made of. colors: Schlick's metal of the paint's own colours; the others have
 // measured indices and stand in the library. The thickness in nm is that of the pearls' coating, on
 // either face; a metal has none.
-enum class CoatingKind {
-  colors = 0,
-  aluminium = 1,
-  silver = 2,
-  gold = 3,
-  copper = 4,
-  bronze = 5,  // 90 % copper, 10 % zinc
-  brass = 6,   // 70 % copper, 30 % zinc
-  chromium = 7,
-  nickel = 8,
-  tio2_on_mica = 9,
-  tio2_on_silica = 10,
-  tio2_on_thin_silica = 11,
-  fe2o3_on_mica = 12,
-  fe2o3_on_silica = 13,
-  fe2o3_on_aluminium = 14
-};
-inline constexpr int kCoatingKinds = 15;
+inline constexpr int kCoatingKinds = static_cast<int>(kCoatingKindWords.size());
 inline constexpr double kMostCoatingNm = 200;
 
 // tools/coatings/table.py --library: rows of kCoatingNodes colours over the angle; a row of

@@ -10,12 +10,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "choices.h"
 #include "refraction.h"
 #include "vector.h"
 
 namespace metallic_paint {
-
-enum class Composition { exact = 0, published = 1 };
 
 // Rec. 709
 template <class T>

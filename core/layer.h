@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 
+#include "choices.h"
 #include "coating.h"
 #include "flake_area.h"
 #include "optical_thickness.h"
@@ -14,17 +15,6 @@
 #include "vector.h"
 
 namespace metallic_paint {
-
-// With, without masking and shadowing (paper, 5.3.2). Which is right the paper left open: against
-// discs that really hide each other (docs/accuracy) attenuated fluctuates more like them. The mean
-// that both share takes the ways to observer and light for independent; where they run past the
-// same flakes (light behind the observer, flakes as large as the layer is thick) the discs are
-// brighter, up to twice at a coverage of 3.
-enum class DepthModel { attenuated = 0, thinned = 1 };
-// published: the paper's formulas to the letter wherever its assumption holds, flakes far below the
-// pixel. Where fewer than kPoissonSlots flakes fill the pixel, it too is kept below the mirror, by
-// the same count and ceiling as exact.
-enum class Radiometry { exact = 0, published = 1 };
 
 // One species of flakes. SI units.
 template <class T>
@@ -43,6 +33,16 @@ struct Flakes {
 inline constexpr int kSpecies = 3;
 
 // A paint as the evaluation needs it. SI units; made and checked by `make_layer` (paint.h).
+//
+// depth_model: with (attenuated), without (thinned) masking and shadowing (paper, 5.3.2). Which is
+// right the paper left open: against discs that really hide each other (docs/accuracy) attenuated
+// fluctuates more like them. The mean that both share takes the ways to observer and light for
+// independent; where they run past the same flakes (light behind the observer, flakes as large as
+// the layer is thick) the discs are brighter, up to twice at a coverage of 3.
+//
+// radiometry: published is the paper's formulas to the letter wherever its assumption holds, flakes
+// far below the pixel. Where fewer than kPoissonSlots flakes fill the pixel, it too is kept below
+// the mirror, by the same count and ceiling as exact.
 template <class T>
 struct Layer {
   std::array<Flakes<T>, kSpecies> flakes;

@@ -19,13 +19,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "choices.h"
 #include "elementary.h"
 #include "quadrature.h"
 #include "vector.h"
 
 namespace metallic_paint {
-
-enum class Orientation { gaussian = 0, beckmann = 1, ggx = 2 };
 
 template <class T>
 struct OrientationDensity {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "paint.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numbers>
 #include <string>
+#include <type_traits>
 
 #include "batch.h"
 #include "validation.h"
@@ -22,35 +25,50 @@ void require_uniform(const std::string& field, double value) {
   reject(field, text(value, 17), "above 0 and at most 1");
 }
 
-// Reflectance and transmittance may not give back more than falls in, beyond rounding of the sum.
+// Reflectance and transmittance may not give back more than falls in.
 void require_sum(const std::string& field, Rgb<double> reflectance, Rgb<double> transmittance) {
   const double most = max_component(reflectance + transmittance);
-  if (most > 1 + 1e-6) reject(field, most, "at most 1 in every channel");
+  if (most > kMostOfASum) reject(field, most, "at most 1 in every channel");
 }
 
-// name(field) is the field's name as the user knows it.
+// A choice is none of its words only where C++ was told so by force.
+template <std::size_t n>
+void require_choice(const std::string& field, int choice, const std::array<const char*, n>& words) {
+  if (choice >= 0 && choice < static_cast<int>(n)) return;
+  std::string all;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0) all += i + 1 < n ? ", " : " or ";
+    all += std::to_string(i) + " (" + words[i] + ")";
+  }
+  reject(field, choice, all);
+}
+
+// Holds each parameter of `of` to its range; name(field) is the field's name as the user knows it.
+template <class Name>
+auto checks(const auto& of, const Name& name) {
+  return [&of, name](const char* field, auto member, const auto& range) {
+    const auto& value = of.*member;
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (std::is_enum_v<Value>) {
+      require_choice(name(field), static_cast<int>(value), range);
+    } else if constexpr (std::is_same_v<Value, Rgb<double>>) {
+      require_colour(name(field), value, range.most, range.unit);
+    } else if constexpr (std::is_same_v<Value, double>) {
+      require_range(name(field), value, range.least, range.most, range.unit);
+    }  // an int, such as the seed, may be any
+  };
+}
+
 template <class Name>
 void validate_species(const FlakeSpecies& flakes, const Name& name) {
-  require_range(name("flakes_per_mm2"), flakes.flakes_per_mm2, 0, 1e9, " 1/mm2");
-  require_range(name("flake_diameter_um"), flakes.flake_diameter_um, 1e-3, 1e5, " um");
-  require_range(name("flake_area_spread"), flakes.flake_area_spread, 0, 100);
-  if (flakes.orientation == Orientation::gaussian) {
-    require_range(name("tilt"), flakes.tilt, 1e-6, 100, " rad (gaussian)");
-  } else if (flakes.orientation == Orientation::beckmann ||
-             flakes.orientation == Orientation::ggx) {
-    require_range(name("tilt"), flakes.tilt, 1e-6, 1, " (roughness of beckmann and ggx)");
-  } else {
-    reject(name("orientation"), static_cast<double>(flakes.orientation),
-           "0 (gaussian), 1 (beckmann) or 2 (ggx)");
+  if (flakes.orientation != Orientation::gaussian) {
+    const Range& range = kTiltAsRoughness;
+    require_range(name("tilt"), flakes.tilt, range.least, range.most, range.unit);
   }
-  require_range(name("flake_spread"), flakes.flake_spread, 0, 0.5, " rad");
+  each_flake_parameter(checks(flakes, name));
+  if (flakes.coating != CoatingKind::colors) return;
   const std::string color = name("flake_color"), edge = name("flake_edge_color"),
                     transmission = name("flake_transmission");
-  require_colour(color, flakes.flake_color, 1);
-  require_colour(edge, flakes.flake_edge_color, 1);
-  require_colour(transmission, flakes.flake_transmission, 1);
-  require_coating(name("coating"), static_cast<int>(flakes.coating), flakes.coating_nm);
-  if (flakes.coating != CoatingKind::colors) return;
   require_sum(color + " + " + transmission, flakes.flake_color, flakes.flake_transmission);
   require_sum(edge + " + " + transmission, flakes.flake_edge_color, flakes.flake_transmission);
 }
@@ -58,33 +76,13 @@ void validate_species(const FlakeSpecies& flakes, const Name& name) {
 }  // namespace
 
 void validate(const Paint& paint) {
-  validate_species(paint, [](const char* field) { return std::string(field); });
+  const auto own = [](const char* field) { return std::string(field); };
+  validate_species(paint, own);
   for (std::size_t i = 0; i < paint.more.size(); ++i) {
     validate_species(paint.more[i],
                      [i](const char* field) { return at_row("more", i) + "." + field; });
   }
-  if (paint.diffraction != Diffraction::none && paint.diffraction != Diffraction::disc) {
-    reject("diffraction", static_cast<double>(paint.diffraction), "0 (none) or 1 (disc)");
-  }
-  require_range("binder_ior", paint.binder_ior, 0.1, 10);
-  require_range("layer_thickness_um", paint.layer_thickness_um, 0, 1e6, " um");
-  require_colour("binder_absorption_per_mm", paint.binder_absorption_per_mm, 1e6, " 1/mm");
-  require_range("rayleigh_per_mm", paint.rayleigh_per_mm, 0, 1e6, " 1/mm");
-  if (paint.depth_model != DepthModel::attenuated && paint.depth_model != DepthModel::thinned) {
-    reject("depth_model", static_cast<double>(paint.depth_model), "0 (attenuated) or 1 (thinned)");
-  }
-  if (paint.radiometry != Radiometry::exact && paint.radiometry != Radiometry::published) {
-    reject("radiometry", static_cast<double>(paint.radiometry), "0 (exact) or 1 (published)");
-  }
-  if (paint.composition != Composition::exact && paint.composition != Composition::published) {
-    reject("composition", static_cast<double>(paint.composition), "0 (exact) or 1 (published)");
-  }
-  require_range("sparkle_contrast", paint.sparkle_contrast, 0, 1);
-  require_colour("substrate_color", paint.substrate_color, 1);
-  require_range("texture_contrast", paint.texture_contrast, 0, 1);
-  require_range("coat_roughness", paint.coat_roughness, 0, 1);
-  require_range("orange_peel", paint.orange_peel, 0, 1, " rad");
-  require_range("orange_peel_mm", paint.orange_peel_mm, 1e-3, 1e6, " mm");
+  each_paint_parameter(checks(paint, own));
 }
 
 void validate(const Light<double>& light) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A metallic paint as artists and presets state it: real units in the names, checked once, here.
+// From a metallic paint as artists and presets state it (parameters.h) to what the evaluation
+// needs.
 #pragma once
 
 #include <algorithm>
@@ -10,60 +11,13 @@
 #include <numbers>
 #include <string>
 
-#include "composition.h"
 #include "layer.h"
 #include "light.h"
+#include "parameters.h"
 #include "random.h"
 #include "vector.h"
 
 namespace metallic_paint {
-
-// One species of flakes.
-struct FlakeSpecies {
-  double flakes_per_mm2 = 3000;    // flakes per mm2 of painted surface (D H), 0 to 1e9
-  double flake_diameter_um = 20;   // of a disc of the mean flake area, 1e-3 to 1e5 um
-  double flake_area_spread = 0.3;  // standard deviation of the flake area over its mean, 0 to 100
-  Orientation orientation = Orientation::gaussian;
-  double tilt = 0.15;  // gaussian: radians, 1e-6 to 100; beckmann, ggx: roughness, 1e-6 to 1
-  // Angular radius by which the flake, being wavy, spreads light in the binder, 0 to 0.5 rad.
-  double flake_spread = 0.005;
-  Rgb<double> flake_color{0.91, 0.92, 0.92};  // reflectance at normal incidence, 0 to 1
-  Rgb<double> flake_edge_color{1, 1, 1};      // reflectance at grazing incidence, 0 to 1
-  Rgb<double> flake_transmission{0, 0, 0};    // transmittance, 0 to 1 less either of them
-  // Other than colors, a coating of the library takes the place of these three; a pearl's film is
-  // coating_nm thick, 0 to 200 nm.
-  CoatingKind coating = CoatingKind::colors;
-  double coating_nm = 60;
-};
-
-// What the flake's edge adds to its spread: nothing, or the diffraction by a disc.
-enum class Diffraction { none = 0, disc = 1 };
-
-// The first species is the paint's own; most paints have no other.
-struct Paint : FlakeSpecies {
-  std::array<FlakeSpecies, kSpecies - 1> more{FlakeSpecies{.flakes_per_mm2 = 0},
-                                              FlakeSpecies{.flakes_per_mm2 = 0}};
-  Diffraction diffraction = Diffraction::none;    // the add-on's paints have disc
-  double binder_ior = 1.5;                        // relative to the surroundings, 0.1 to 10
-  double layer_thickness_um = 30;                 // of the flake layer (H), 0 to 1e6 um
-  Rgb<double> binder_absorption_per_mm{0, 0, 0};  // kappa, 0 to 1e6 1/mm
-  double rayleigh_per_mm = 0;                     // c1, 0 to 1e6 1/mm
-  DepthModel depth_model = DepthModel::attenuated;
-  Radiometry radiometry = Radiometry::exact;
-  Composition composition = Composition::exact;
-  double sparkle_contrast = 1;  // share of the sparkles' fluctuation about their mean, 0 to 1
-  Rgb<double> substrate_color{0.02, 0.02, 0.02};  // diffuse reflectance under the flakes, 0 to 1
-  double texture_contrast = 0;  // relative deviation of the mixture seen over 1 mm2, 0 to 1
-  double coat_roughness = 0;    // of the binder's surface, the root of GGX's alpha, 0 to 1
-  double orange_peel = 0;       // slope (rms) of the waves in the binder's surface, 0 to 1 rad
-  double orange_peel_mm = 3;    // wavelength of these waves, 1e-3 to 1e6 mm
-  int seed = 0;
-  int frame = 0;
-
-  const FlakeSpecies& species(int i) const {
-    return i == 0 ? *this : more[static_cast<std::size_t>(i - 1)];
-  }
-};
 
 // Throws std::invalid_argument with a sentence that names the field, its value and the allowed
 // range.

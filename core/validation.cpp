@@ -44,10 +44,11 @@ void require_colour(const std::string& field, Rgb<double> value, double most,
   require_range(field + ".b", value.z, 0, most, unit);
 }
 
-void require_coating(const std::string& field, int kind, double nm) {
-  if (kind < 0 || kind >= kCoatingKinds) {
+void require_library_coating(const std::string& field, int kind, double nm) {
+  if (kind < 1 || kind >= kCoatingKinds) {
     reject(field, kind,
-           "from 0 (colors) to " + std::to_string(kCoatingKinds - 1) + " (fe2o3-on-aluminium)");
+           "from 1 (" + std::string(kCoatingKindWords[1]) + ") to " +
+               std::to_string(kCoatingKinds - 1) + " (" + kCoatingKindWords.back() + ")");
   }
   require_range(field + "_nm", nm, 0, kMostCoatingNm, " nm");
 }

@@ -23,8 +23,8 @@ void require_range(const std::string& field, double value, double least, double 
 void require_colour(const std::string& field, Rgb<double> value, double most,
                     const std::string& unit = "");
 
-// A CoatingKind in `field` and its thickness in `field`_nm.
-void require_coating(const std::string& field, int kind, double nm);
+// A kind of the library, any CoatingKind but colors, in `field` and its thickness in `field`_nm.
+void require_library_coating(const std::string& field, int kind, double nm);
 
 // Vectors come as floats: unit length to a thousandth.
 bool is_unit(double square);

@@ -6,10 +6,10 @@
 // OSL keeps such an array as one constant, while an array of a function is filled again at each call.
 #pragma once
 
-#define COATING_COLORS 0
-#define COATING_FIRST_PEARL 9
-#define COATING_FIRST_IRON 12
-#define COATING_ON_ALUMINIUM 14
+#include "choices.h"
+
+#define COATING_FIRST_PEARL COATING_TIO2_ON_MICA
+#define COATING_FIRST_IRON COATING_FE2O3_ON_MICA
 #define COATING_KINDS 15
 
 #define COATING_NODES 13
@@ -26,7 +26,7 @@ struct Coating {
 
 int is_clear(int kind)
 {
-  return kind >= COATING_FIRST_PEARL && kind != COATING_ON_ALUMINIUM;
+  return kind >= COATING_FIRST_PEARL && kind != COATING_FE2O3_ON_ALUMINIUM;
 }
 
 int coating_row(int kind)

@@ -3,10 +3,8 @@
 // How sparkles join the rest of the paint's light: see core/composition.h.
 #pragma once
 
+#include "choices.h"
 #include "refraction.h"
-
-#define COMPOSITION_EXACT 0
-#define COMPOSITION_PUBLISHED 1
 
 float luminance_of(color c)
 {

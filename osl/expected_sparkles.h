@@ -84,7 +84,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
     expected.slots = (int)max(places, 1.0);
   float slots = (float)expected.slots;
   int crowded = expected.slots > 0 && expected.mean_count > slots;
-  if (layer.depth_model == DEPTH_THINNED || crowded) {
+  if (layer.depth_model == DEPTH_MODEL_THINNED || crowded) {
     color transmitted = mean_transmittance(expected.slant);
     float visible = max(max(transmitted[0], transmitted[1]), transmitted[2]);
     if (visible > 0.0)

@@ -3,15 +3,11 @@
 // The paint as the evaluation needs it: see core/layer.h.
 #pragma once
 
+#include "choices.h"
 #include "coating.h"
 #include "flake_area.h"
 #include "optical_thickness.h"
 #include "orientation.h"
-
-#define DEPTH_ATTENUATED 0
-#define DEPTH_THINNED 1
-#define RADIOMETRY_EXACT 0
-#define RADIOMETRY_PUBLISHED 1
 
 struct Flakes {
   float areal_density;

@@ -3,12 +3,10 @@
 // The orientation of the flakes, P(beta), and their mean projected area <s>: see core/orientation.h.
 #pragma once
 
+#include "choices.h"
 #include "elementary.h"
 #include "quadrature.h"
 
-#define ORIENTATION_GAUSSIAN 0
-#define ORIENTATION_BECKMANN 1
-#define ORIENTATION_GGX 2
 #define GAUSSIAN_REACH 5.5
 #define HALF_PI 1.57079633
 #define POINT_CAP 0.0625

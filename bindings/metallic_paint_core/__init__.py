@@ -6,6 +6,7 @@ ValueError with a sentence that names the field, the value and the range. The mo
 """
 
 from ._native import (
+    CoatingKind,
     Composition,
     DepthModel,
     Diffraction,
@@ -32,6 +33,7 @@ from ._native import (
 )
 
 __all__ = [
+    "CoatingKind",
     "Composition",
     "DepthModel",
     "Diffraction",

@@ -8,67 +8,18 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._paint import (
+    CoatingKind as CoatingKind,
+    Composition as Composition,
+    DepthModel as DepthModel,
+    Diffraction as Diffraction,
+    FlakeSpecies as FlakeSpecies,
+    Orientation as Orientation,
+    Paint as Paint,
+    Radiometry as Radiometry,
+)
+
 __version__: str
-
-class Orientation(IntEnum):
-    gaussian = 0
-    beckmann = 1
-    ggx = 2
-
-class DepthModel(IntEnum):
-    attenuated = 0
-    thinned = 1
-
-class Radiometry(IntEnum):
-    exact = 0
-    published = 1
-
-class Composition(IntEnum):
-    exact = 0
-    published = 1
-
-Colour = tuple[float, float, float]
-
-class Diffraction(IntEnum):
-    none = 0
-    disc = 1
-
-class FlakeSpecies:
-    flakes_per_mm2: float  # flakes per mm2 of painted surface (D H), 0 to 1e9
-    flake_diameter_um: float  # of a disc of the mean flake area, 1e-3 to 1e5 um
-    flake_area_spread: float  # standard deviation of the area over its mean, 0 to 100
-    orientation: Orientation
-    tilt: float  # gaussian: rad, 1e-6 to 100; beckmann and ggx: roughness, 1e-6 to 1
-    flake_spread: float  # angular radius by which a wavy flake spreads light, 0 to 0.5 rad
-    flake_color: Colour  # reflectance at normal incidence, 0 to 1
-    flake_edge_color: Colour  # reflectance at grazing incidence, 0 to 1
-    flake_transmission: Colour  # transmittance, 0 to 1 less the reflectance
-    coating: int  # 0 the colours above; others of the library: CoatingKind in core/coating.h
-    coating_nm: float  # thickness of a pearl's film, 0 to 200 nm
-
-    def __init__(self, **fields: object) -> None: ...
-
-class Paint(FlakeSpecies):
-    more: Sequence[FlakeSpecies]  # the second and the third species
-    diffraction: Diffraction
-    binder_ior: float  # relative to the surroundings, 0.1 to 10
-    layer_thickness_um: float  # 0 to 1e6 um
-    binder_absorption_per_mm: Colour  # 0 to 1e6 1/mm
-    rayleigh_per_mm: float  # 0 to 1e6 1/mm
-    depth_model: DepthModel
-    radiometry: Radiometry
-    composition: Composition
-    sparkle_contrast: float  # share of the sparkles' fluctuation about their mean, 0 to 1
-    substrate_color: Colour  # diffuse reflectance under the flakes, 0 to 1
-    texture_contrast: float  # relative deviation of the mixture seen over 1 mm2, 0 to 1
-    coat_roughness: float  # of the binder's surface, the root of GGX's alpha, 0 to 1
-    orange_peel: float  # slope (rms) of the waves in the binder's surface, 0 to 1 rad
-    orange_peel_mm: float  # wavelength of these waves, 1e-3 to 1e6 mm
-    seed: int
-    frame: int
-
-    def __init__(self, **fields: object) -> None: ...
-    def validate(self) -> None: ...
 
 class LightKind(IntEnum):
     unused = 0

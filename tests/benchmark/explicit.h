@@ -31,6 +31,7 @@ struct ExplicitCase {
 inline std::vector<ExplicitCase> explicit_cases() {
   Paint base;
   base.flake_spread = 0;
+  base.diffraction = Diffraction::none;
   base.flakes_per_mm2 = 1600;  // coverage 0.5
   std::vector<ExplicitCase> cases;
   const auto area_mm2 =

@@ -117,9 +117,11 @@ PARTS: dict[str, Text] = {
     "second and third species": one_species,
     "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
     "light slots 2 to 8": one_slot,
-    "texture": cut("  if (TextureContrast > 0.0)", "  diffused = diffused * grain"),
-    "orange peel": cut("  if (slope > 0.0)", "  if (inner_product(coat_n"),
-    "published composition": cut("      if (Composition ==", "      if (Diagnostic == SHOW_IRR"),
+    "texture": cut("  if (given.texture_contrast > 0.0)", "  diffused = diffused * grain"),
+    "orange peel": cut("  if (given.orange_peel > 0.0)", "  if (inner_product(coat_n"),
+    "published composition": cut(
+        "      if (given.composition ==", "      if (Diagnostic == SHOW_IRR"
+    ),
     "sparkle contrast": full_contrast,
     "coating library": no_library,
     "diagnostics": no_diagnostics,

@@ -101,7 +101,7 @@ struct Arrays {
 
 template <class T>
 void expect_each_pixel_alone(bool with_slant) {
-  Paint paint;
+  Paint paint = undiffracted();
   paint.frame = 5;
   const std::vector<Light<double>> lights{
       sun(10, 0.02), {}, {LightKind::positional, {0.5, 0.25, 2}, 0.125}, sun(11, 0.02)};
@@ -157,7 +157,7 @@ TEST(Batch, GivenOpticalDepthsReachTheirPixelAndLight) {
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {
   Arrays arrays(10, 1);
   for (double& v : arrays.normal) v = 0;
-  evaluate_pixels<float>(Paint{}, {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
+  evaluate_pixels<float>(undiffracted(), {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
   for (double radiance : arrays.radiance) EXPECT_EQ(radiance, 0);
   for (std::int32_t leader : arrays.leader) EXPECT_EQ(leader, -1);
 }

@@ -187,7 +187,7 @@ TEST(CoatingLibrary, AnyTiltAndRayStayFinite) {
 
 std::string complaint(int kind, double nm) {
   try {
-    require_coating("coating", kind, nm);
+    require_library_coating("coating", kind, nm);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -195,10 +195,12 @@ std::string complaint(int kind, double nm) {
 }
 
 TEST(CoatingLibrary, BadCoatingsAreNamed) {
-  EXPECT_EQ(complaint(0, 0), "");
+  EXPECT_EQ(complaint(0, 0),
+            "coating is 0, but must be from 1 (aluminium) to 14 (fe2o3-on-aluminium)");
+  EXPECT_EQ(complaint(1, 0), "");
   EXPECT_EQ(complaint(14, 200), "");
   EXPECT_EQ(complaint(15, 0),
-            "coating is 15, but must be from 0 (colors) to 14 "
+            "coating is 15, but must be from 1 (aluminium) to 14 "
             "(fe2o3-on-aluminium)");
   EXPECT_EQ(complaint(-1, 0).find("coating is -1"), 0U);
   EXPECT_EQ(complaint(9, 201), "coating_nm is 201, but must be from 0 to 200 nm");

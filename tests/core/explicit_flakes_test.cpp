@@ -354,6 +354,7 @@ TEST(ExplicitFlakes, LongModelIsWithinSomePerCentForWideCones) {
 // Level flakes under a light in the mirror direction: all of them sparkle.
 ExplicitScene level_scene(double theta_in, double coverage) {
   ExplicitScene scene;
+  scene.paint = undiffracted();
   scene.paint.tilt = 1e-6;
   scene.paint.flake_spread = 0;
   scene.paint.flake_area_spread = 0;

@@ -50,7 +50,7 @@ Paint ordinary_paint(Random& random, bool lossless) {
     return Rgb<double>{random.uniform(from, to), random.uniform(from, to),
                        random.uniform(from, to)};
   };
-  Paint paint;
+  Paint paint = undiffracted();
   paint.flake_diameter_um = 10;
   paint.flake_area_spread = 0;
   paint.flakes_per_mm2 = random.log_uniform(0.05, 5) * 4e4 / std::numbers::pi;
@@ -298,7 +298,7 @@ TEST(Mixture, WithoutFlakesIsTheSubstrateUnderAClearCoat) {
       const double g = eta_cos_refracted(c, 1 / eta);
       escaping += 2 * c / n * fresnel_transmittance(c, g, 1 / eta);
     }
-    Paint paint;
+    Paint paint = undiffracted();
     paint.flakes_per_mm2 = 0;
     paint.binder_ior = eta;
     for (double rho : {0.0, 0.3, 1.0}) {
@@ -351,7 +351,7 @@ TEST(Mixture, IsSoundForEveryValidPaint) {
     return pick == 0 ? least : pick == 1 ? most : usual;
   };
   for (int i = 0; i < 20'000 / kFewer; ++i) {
-    Paint paint;
+    Paint paint = undiffracted();
     paint.flakes_per_mm2 = end_or(0, 1e9, random.log_uniform(1e-3, 1e6));
     paint.flake_diameter_um = end_or(1e-3, 1e5, random.log_uniform(0.1, 1e3));
     paint.flake_area_spread = end_or(0, 100, 0.3);

@@ -5,9 +5,12 @@
 #include "paint.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "batch.h"
@@ -40,65 +43,46 @@ void expect_names(const std::string& message, const std::vector<std::string>& pa
   }
 }
 
+// A number of the paint, as the table has it (parameters.toml): a channel of a colour is one.
 struct Field {
   std::string name;
   double least, most;
   std::string range;  // as the message words it
-  double& (*of)(Paint&);
+  std::function<double&(Paint&)> of;
 };
 
-const Field kFields[] = {
-    {"flakes_per_mm2", 0, 1e9, "from 0 to 1e+09 1/mm2",
-     [](Paint& p) -> double& { return p.flakes_per_mm2; }},
-    {"flake_diameter_um", 1e-3, 1e5, "from 0.001 to 100000 um",
-     [](Paint& p) -> double& { return p.flake_diameter_um; }},
-    {"flake_area_spread", 0, 100, "from 0 to 100",
-     [](Paint& p) -> double& { return p.flake_area_spread; }},
-    {"tilt", 1e-6, 100, "from 1e-06 to 100 rad (gaussian)",
-     [](Paint& p) -> double& { return p.tilt; }},
-    {"flake_spread", 0, 0.5, "from 0 to 0.5 rad",
-     [](Paint& p) -> double& { return p.flake_spread; }},
-    {"flake_color.r", 0, 1, "from 0 to 1", [](Paint& p) -> double& { return p.flake_color.x; }},
-    {"flake_color.g", 0, 1, "from 0 to 1", [](Paint& p) -> double& { return p.flake_color.y; }},
-    {"flake_color.b", 0, 1, "from 0 to 1", [](Paint& p) -> double& { return p.flake_color.z; }},
-    {"flake_edge_color.r", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_edge_color.x; }},
-    {"flake_edge_color.g", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_edge_color.y; }},
-    {"flake_edge_color.b", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_edge_color.z; }},
-    {"flake_transmission.r", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_transmission.x; }},
-    {"flake_transmission.g", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_transmission.y; }},
-    {"flake_transmission.b", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.flake_transmission.z; }},
-    {"binder_ior", 0.1, 10, "from 0.1 to 10", [](Paint& p) -> double& { return p.binder_ior; }},
-    {"layer_thickness_um", 0, 1e6, "from 0 to 1000000 um",
-     [](Paint& p) -> double& { return p.layer_thickness_um; }},
-    {"binder_absorption_per_mm.r", 0, 1e6, "from 0 to 1000000 1/mm",
-     [](Paint& p) -> double& { return p.binder_absorption_per_mm.x; }},
-    {"binder_absorption_per_mm.g", 0, 1e6, "from 0 to 1000000 1/mm",
-     [](Paint& p) -> double& { return p.binder_absorption_per_mm.y; }},
-    {"binder_absorption_per_mm.b", 0, 1e6, "from 0 to 1000000 1/mm",
-     [](Paint& p) -> double& { return p.binder_absorption_per_mm.z; }},
-    {"rayleigh_per_mm", 0, 1e6, "from 0 to 1000000 1/mm",
-     [](Paint& p) -> double& { return p.rayleigh_per_mm; }},
-    {"sparkle_contrast", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.sparkle_contrast; }},
-    {"substrate_color.r", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.substrate_color.x; }},
-    {"substrate_color.g", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.substrate_color.y; }},
-    {"substrate_color.b", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.substrate_color.z; }},
-    {"texture_contrast", 0, 1, "from 0 to 1",
-     [](Paint& p) -> double& { return p.texture_contrast; }},
-    {"coat_roughness", 0, 1, "from 0 to 1", [](Paint& p) -> double& { return p.coat_roughness; }},
-    {"orange_peel", 0, 1, "from 0 to 1 rad", [](Paint& p) -> double& { return p.orange_peel; }},
-    {"orange_peel_mm", 1e-3, 1e6, "from 0.001 to 1000000 mm",
-     [](Paint& p) -> double& { return p.orange_peel_mm; }},
-};
+std::string digits(double value) {
+  std::ostringstream text;
+  text.precision(9);
+  text << value;
+  return text.str();
+}
+
+std::vector<Field> all_fields() {
+  std::vector<Field> fields;
+  const auto add = [&](const char* name, auto member, const auto& range) {
+    using Value = std::remove_cvref_t<decltype(std::declval<Paint&>().*member)>;
+    if constexpr (std::is_same_v<Value, double>) {
+      const std::string worded = "from " + digits(range.least) + " to " + digits(range.most);
+      fields.push_back({name, range.least, range.most, worded + range.unit,
+                        [member](Paint& paint) -> double& { return paint.*member; }});
+    } else if constexpr (std::is_same_v<Value, Rgb<double>>) {
+      const std::string worded = "from " + digits(range.least) + " to " + digits(range.most);
+      const std::pair<const char*, double Rgb<double>::*> channels[] = {
+          {".r", &Rgb<double>::x}, {".g", &Rgb<double>::y}, {".b", &Rgb<double>::z}};
+      for (const auto& [letter, channel] : channels) {
+        fields.push_back(
+            {name + std::string(letter), range.least, range.most, worded + range.unit,
+             [member, at = channel](Paint& paint) -> double& { return (paint.*member).*at; }});
+      }
+    }
+  };
+  each_flake_parameter(add);
+  each_paint_parameter(add);
+  return fields;
+}
+
+const std::vector<Field> kFields = all_fields();
 
 // A paint that any single field may take to its limit: black flakes reflect and transmit nothing.
 Paint black_paint() {
@@ -107,11 +91,16 @@ Paint black_paint() {
   return paint;
 }
 
-std::string digits(double value) {
-  std::ostringstream text;
-  text.precision(9);
-  text << value;
-  return text.str();
+TEST(Paint, TheFieldsAreThoseOfTheTable) {
+  std::size_t numbers = 0;
+  const auto count = [&](const char*, auto member, const auto&) {
+    using Value = std::remove_cvref_t<decltype(std::declval<Paint&>().*member)>;
+    numbers += std::is_same_v<Value, double> ? 1 : std::is_same_v<Value, Rgb<double>> ? 3 : 0;
+  };
+  each_flake_parameter(count);
+  each_paint_parameter(count);
+  EXPECT_EQ(kFields.size(), numbers);
+  EXPECT_GE(numbers, 28U);
 }
 
 TEST(Paint, DefaultIsValid) { EXPECT_EQ(complaint(Paint{}), ""); }
@@ -141,20 +130,24 @@ TEST(Paint, RoughnessOfTheFieldsShapesEndsAtOne) {
 }
 
 TEST(Paint, UnknownChoicesAreRefused) {
-  for (int value : {-1, 3, 1000}) {
-    Paint paint;
-    paint.orientation = static_cast<Orientation>(value);
-    expect_names(complaint(paint), {"orientation is " + digits(value), "2 (ggx)"});
-    paint = Paint{};
-    paint.depth_model = static_cast<DepthModel>(value);
-    expect_names(complaint(paint), {"depth_model is " + digits(value), "0 (attenuated)"});
-    paint = Paint{};
-    paint.radiometry = static_cast<Radiometry>(value);
-    expect_names(complaint(paint), {"radiometry is " + digits(value), "0 (exact)"});
-    paint = Paint{};
-    paint.composition = static_cast<Composition>(value);
-    expect_names(complaint(paint), {"composition is " + digits(value), "0 (exact)"});
-  }
+  const auto refused = [](const char* name, auto member, const auto& range) {
+    using Value = std::remove_cvref_t<decltype(std::declval<Paint&>().*member)>;
+    if constexpr (std::is_enum_v<Value>) {
+      std::vector<std::string> words;
+      for (std::size_t i = 0; i < range.size(); ++i) {
+        words.push_back(std::to_string(i) + " (" + range[i] + ")");
+      }
+      for (int value : {-1, static_cast<int>(range.size()), 1000}) {
+        Paint paint;
+        paint.*member = static_cast<Value>(value);
+        words.push_back(std::string(name) + " is " + digits(value));
+        expect_names(complaint(paint), words);
+        words.pop_back();
+      }
+    }
+  };
+  each_flake_parameter(refused);
+  each_paint_parameter(refused);
 }
 
 TEST(Paint, FlakesGiveBackNoMoreThanTheyGet) {
@@ -170,6 +163,30 @@ TEST(Paint, FlakesGiveBackNoMoreThanTheyGet) {
   paint.flake_color = paint.flake_edge_color = {0.9f, 0.7f, 0.3f};
   paint.flake_transmission = {0.1f, 0.3f, 0.7f};
   EXPECT_EQ(complaint(paint), "");
+  // Any two floats that shall add up to 1 are accepted, and no more than the next float above 1.
+  for (int i = 0; i <= 100000; ++i) {
+    const double share = i / 100000.0;
+    const auto rounded = static_cast<float>(share), rest = static_cast<float>(1 - share),
+               computed = 1 - rounded;
+    EXPECT_LE(static_cast<double>(rounded) + rest, kMostOfASum) << share;
+    EXPECT_LE(static_cast<double>(rounded) + computed, kMostOfASum) << share;
+  }
+  EXPECT_EQ(kMostOfASum, std::nextafter(1.0f, 2.0f));
+  paint.flake_transmission = {0.3, 0.3, 0.3};
+  paint.flake_color = {0.7000001, 0.7, 0.7};
+  EXPECT_EQ(complaint(paint), "");
+  paint.flake_color = {0.7, 0.7000002, 0.7};
+  expect_names(complaint(paint), {"flake_color + flake_transmission is 1.0000002, but must be at"});
+}
+
+TEST(Paint, TheFilmIsAsThickAsTheLibraryHasIt) {
+  each_flake_parameter([](const std::string& name, auto, const auto& range) {
+    if constexpr (requires { range.most; }) {
+      if (name == "coating_nm") {
+        EXPECT_EQ(range.most, kMostCoatingNm);
+      }
+    }
+  });
 }
 
 template <class T>

@@ -19,9 +19,17 @@ namespace core_tests {
 
 using namespace metallic_paint;
 
+// The independent formulas know the flake's own spread alone: what diffraction adds to it, and no
+// more than that, is in paint_test.cpp.
+inline Paint undiffracted() {
+  Paint paint;
+  paint.diffraction = Diffraction::none;
+  return paint;
+}
+
 // A paint, a pixel of it and a light. Every number but the directions is a float.
 struct TestScene {
-  Paint paint;
+  Paint paint = undiffracted();
   Vec3<double> normal, view, light;
   double light_sine = 0;  // of the angular radius
   double footprint = 0;
@@ -79,7 +87,7 @@ inline Paint random_paint(Random& random) {
     return Rgb<double>{random.uniform(from, to), random.uniform(from, to),
                        random.uniform(from, to)};
   };
-  Paint paint;
+  Paint paint = undiffracted();
   paint.flakes_per_mm2 = rounded(random.log_uniform(30, 30'000));
   // Coverages D H <S> from 0.003 to 3.
   const double coverage = random.log_uniform(0.003, 3);

@@ -308,7 +308,8 @@ def test_flakes_on_silica_flip(name: str, coating_nm: float, orders: tuple[str, 
 @pytest.mark.parametrize(
     ("coating", "nm", "message"),
     [
-        (15, 60, r"coating is 15, but must be from 0 \(colors\) to 14"),
+        (15, 60, r"coating is 15, but must be from 1 \(aluminium\) to 14 \(fe2o3-on-aluminium\)"),
+        (0, 60, r"coating is 0, but must be from 1 \(aluminium\)"),
         (-1, 60, "coating is -1"),
         (9, 200.5, "coating_nm is 200.5, but must be from 0 to 200 nm"),
         (9, np.nan, "coating_nm is nan"),

@@ -10,6 +10,7 @@ from typing import Any
 
 import metallic_paint_core as core
 import numpy as np
+import parameters
 import pytest
 
 SUN = core.Light(core.LightKind.parallel, (0.3, 0.1, 0.9), 0.00465)
@@ -123,48 +124,35 @@ def test_an_unknown_field_is_named(name: str) -> None:
 
 
 WHOLE = r"a whole number from -2\^31 to 2\^31 - 1"
+TABLE = parameters.read()
+
+
+def wrong_kinds() -> list[tuple[str, object, str]]:
+    """Of each parameter, values that are none of its, and what each must be."""
+    cases = []
+    for row in TABLE.all:
+        if row.choices:
+            other = core.DepthModel.thinned if row.name == "orientation" else core.Orientation.ggx
+            values = ("phong", "", None, True, 1.5, -1, len(row.choices), other, ("ggx",))
+            must = f"{', '.join(row.choices[:-1])} or {row.choices[-1]}"
+        elif row.type == "int":
+            values = (2**40, -(2**31) - 1, 1.5, np.float32(1.5), "a", None, True)
+            must = "a whole number from -2^31 to 2^31 - 1"
+        else:
+            triple = ((1, 2), (1, 2, 3, 4), "abc", ("a", 1, 1), (1, True, 1), 0.5, None)
+            values = triple if row.is_triple else ("a", None, (1, 2), 1j, True)
+            must = "three numbers" if row.is_triple else "a number"
+            must += f" from {row.range[0]:.9g} to {row.range[1]:.9g} {row.unit}".rstrip()
+        cases += [(row.name, value, must) for value in values]
+    return cases
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "message"),
-    [
-        (name, value, message)
-        for names, values, message in [
-            (("seed", "frame"), (2**40, -(2**31) - 1, 1.5, np.float32(1.5), "a", None), WHOLE),
-            (("orientation",), (5, "ggx", None, core.DepthModel.thinned), "Orientation.gaussian"),
-            (("depth_model",), (5, "thinned", core.Orientation.ggx), "DepthModel.attenuated or"),
-            (("radiometry",), (5, "exact", core.Orientation.ggx), "Radiometry.exact or"),
-            (
-                (
-                    "flakes_per_mm2",
-                    "flake_diameter_um",
-                    "flake_area_spread",
-                    "tilt",
-                    "flake_spread",
-                    "binder_ior",
-                    "layer_thickness_um",
-                    "rayleigh_per_mm",
-                ),
-                ("a", None, (1, 2), 1j),
-                "a number",
-            ),
-            (
-                (
-                    "flake_color",
-                    "flake_edge_color",
-                    "flake_transmission",
-                    "binder_absorption_per_mm",
-                ),
-                ((1, 2), (1, 2, 3, 4), "abc", ("a", 1, 1), 0.5, None),
-                "three numbers",
-            ),
-        ]
-        for name in names
-        for value in values
-    ],
+    ("name", "value", "must"),
+    [*wrong_kinds(), ("frame", 2**40, "a whole number from -2^31 to 2^31 - 1")],
 )
-def test_a_field_of_a_wrong_kind_is_named(name: str, value: object, message: str) -> None:
-    message = rf"^{name} is {re.escape(reprlib.repr(value))}, but must be {message}"
+def test_a_field_of_a_wrong_kind_is_named(name: str, value: object, must: str) -> None:
+    message = f"^{re.escape(f'{name} is {reprlib.repr(value)}, but must be {must}')}$"
     with pytest.raises(ValueError, match=message):
         core.Paint(**{name: value})
     with pytest.raises(ValueError, match=message):
@@ -177,8 +165,10 @@ def fields_of(kind: type) -> list[str]:
 
 def test_every_field_takes_its_own_value() -> None:
     paint = core.Paint()
-    assert len(fields_of(core.FlakeSpecies)) == 11
-    assert len(fields_of(core.Paint)) == 28
+    own = [row.name for row in TABLE.flakes]
+    assert sorted(fields_of(core.FlakeSpecies)) == sorted(own)
+    paints = [row.name for row in TABLE.paint]
+    assert sorted(fields_of(core.Paint)) == sorted([*own, *paints, "more", "frame"])
     again = core.Paint(**{name: getattr(paint, name) for name in fields_of(core.Paint)})
     for name in fields_of(core.Paint):
         if name == "more":
@@ -187,6 +177,25 @@ def test_every_field_takes_its_own_value() -> None:
                     assert getattr(one, inner) == getattr(other, inner)
         else:
             assert getattr(again, name) == getattr(paint, name)
+
+
+@pytest.mark.parametrize("row", [row for row in TABLE.all if row.choices], ids=lambda row: row.name)
+def test_a_choice_takes_its_enumerator_its_word_and_its_number(row: parameters.Parameter) -> None:
+    for number, word in enumerate(row.choices):
+        enumerator = getattr(core, row.choice)[word.replace("-", "_")]
+        for given in (enumerator, word, number):
+            assert getattr(core.Paint(**{row.name: given}), row.name) is enumerator
+
+
+@pytest.mark.parametrize("row", TABLE.all, ids=lambda row: row.name)
+def test_defaults_are_those_of_the_table(row: parameters.Parameter) -> None:
+    wanted = tuple(row.number) if row.is_triple else row.number
+    paint = core.Paint()
+    assert getattr(paint, row.name) == wanted
+    if row in TABLE.flakes:
+        if row.default_of_further is not None:
+            wanted = row.default_of_further
+        assert [getattr(more, row.name) for more in paint.more] == [wanted] * 2
 
 
 def test_a_bad_species_is_named() -> None:

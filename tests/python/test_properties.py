@@ -11,6 +11,7 @@ from typing import Any
 
 import metallic_paint_core as core
 import numpy as np
+import parameters
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -56,36 +57,33 @@ def color(channel: st.SearchStrategy[float]) -> st.SearchStrategy[tuple[float, .
 INDICES = st.one_of(spanning(0.1, 10), st.sampled_from([1 - 1e-9, 1.0, 1 + 1e-9]))
 
 
+PARAMETERS = {row.name: row for row in parameters.read().all}
+
+
+def anywhere(row: parameters.Parameter) -> st.SearchStrategy[Any]:
+    if row.choices:
+        return st.sampled_from(list(getattr(core, row.choice)))
+    if row.type == "int":
+        return INT32
+    least, most = row.range
+    number = spanning(1e-9, most, zero=True) if least == 0 else spanning(least, most)
+    return color(number) if row.is_triple else number
+
+
 @st.composite
 def paints(draw: st.DrawFn) -> dict[str, Any]:
-    """The fields of a paint, each anywhere in its range."""
-    orientation = draw(st.sampled_from(list(core.Orientation)))
-    transmission = draw(color(UNIT))
-    gaussian = orientation == core.Orientation.gaussian
-
-    def reflectance() -> tuple[float, ...]:
-        return tuple(r * (1 - t) for r, t in zip(draw(color(UNIT)), transmission, strict=True))
-
-    return {
-        "flakes_per_mm2": draw(spanning(1e-9, 1e9, zero=True)),
-        "flake_diameter_um": draw(spanning(1e-3, 1e5)),
-        "flake_area_spread": draw(spanning(1e-3, 100, zero=True)),
-        "orientation": orientation,
-        "tilt": draw(spanning(1e-6, 100 if gaussian else 1)),
-        "flake_spread": draw(spanning(1e-9, 0.5, zero=True)),
-        "flake_color": reflectance(),
-        "flake_edge_color": reflectance(),
-        "flake_transmission": transmission,
-        "binder_ior": draw(INDICES),
-        "layer_thickness_um": draw(spanning(1e-6, 1e6, zero=True)),
-        "binder_absorption_per_mm": draw(color(spanning(1e-6, 1e6, zero=True))),
-        "rayleigh_per_mm": draw(spanning(1e-6, 1e6, zero=True)),
-        "depth_model": draw(st.sampled_from(list(core.DepthModel))),
-        "radiometry": draw(st.sampled_from(list(core.Radiometry))),
-        "sparkle_contrast": draw(st.one_of(st.just(1.0), UNIT)),
-        "seed": draw(INT32),
-        "frame": draw(INT32),
-    }
+    """The fields of a paint, each anywhere in its range; the flakes have colours of their own."""
+    rows = [row for row in PARAMETERS.values() if not row.name.startswith("coating")]
+    fields = {row.name: draw(anywhere(row)) for row in rows} | {"frame": draw(INT32)}
+    if fields["orientation"] != core.Orientation.gaussian:
+        fields["tilt"] = draw(spanning(*PARAMETERS["tilt"].as_roughness["range"]))
+    fields["flake_transmission"] = draw(color(UNIT))
+    for name in ("flake_color", "flake_edge_color"):
+        shares = zip(draw(color(UNIT)), fields["flake_transmission"], strict=True)
+        fields[name] = tuple(r * (1 - t) for r, t in shares)
+    fields["binder_ior"] = draw(INDICES)
+    fields["sparkle_contrast"] = draw(st.one_of(st.just(1.0), UNIT))
+    return fields
 
 
 def signed_power(x: float) -> float:
@@ -497,26 +495,6 @@ def test_every_word_of_the_key_changes_the_hash(
 NAN, INF = math.nan, math.inf
 HUGE = 10**400  # no float
 NO_NUMBERS = [None, "a", "", b"1", [], {}, object(), 1j, (1, 2), [1, 2], HUGE, -HUGE]
-RANGES = {
-    "flakes_per_mm2": (0, 1e9),
-    "flake_diameter_um": (1e-3, 1e5),
-    "flake_area_spread": (0, 100),
-    "tilt": (1e-6, 100),
-    "flake_spread": (0, 0.5),
-    "binder_ior": (0.1, 10),
-    "layer_thickness_um": (0, 1e6),
-    "rayleigh_per_mm": (0, 1e6),
-    "sparkle_contrast": (0, 1),
-    "flake_color": (0, 1),
-    "flake_edge_color": (0, 1),
-    "flake_transmission": (0, 1),
-    "binder_absorption_per_mm": (0, 1e6),
-}
-COLORS = {name for name in RANGES if "color" in name or name in ("flake_transmission",)} | {
-    "binder_absorption_per_mm"
-}
-CHOICES = ("orientation", "depth_model", "radiometry")
-WHOLES = ("seed", "frame")
 
 
 def beyond(least: float, most: float) -> st.SearchStrategy[object]:
@@ -531,15 +509,16 @@ def beyond(least: float, most: float) -> st.SearchStrategy[object]:
 
 @st.composite
 def bad_fields(draw: st.DrawFn) -> tuple[str, object]:
-    name = draw(st.sampled_from([*RANGES, *CHOICES, *WHOLES]))
-    if name in WHOLES:
+    name = draw(st.sampled_from([*PARAMETERS, "frame"]))
+    row = PARAMETERS.get(name)
+    if row is None or row.type == "int":
         far = st.one_of(st.integers(min_value=INT_MAX + 1), st.integers(max_value=INT_MIN - 1))
         return name, draw(st.one_of(far, st.floats(), st.sampled_from(NO_NUMBERS)))
-    if name in CHOICES:
-        far = st.integers().filter(lambda i: not 0 <= i <= 2)
-        return name, draw(st.one_of(far, st.floats(), st.sampled_from([*NO_NUMBERS, "ggx", 7])))
-    bad = draw(beyond(*RANGES[name]))
-    if name not in COLORS:
+    if row.choices:
+        far = st.integers().filter(lambda i: not 0 <= i < len(row.choices))
+        return name, draw(st.one_of(far, st.floats(), st.sampled_from([*NO_NUMBERS, "phong", ""])))
+    bad = draw(beyond(*row.range))
+    if not row.is_triple:
         return name, bad
     if draw(st.booleans()):
         return name, draw(st.sampled_from([bad, [0.0] * 2, [0.0] * 4, (bad,)]))

@@ -20,6 +20,7 @@ ROWS = json.loads(Path(FILE).read_text())["rows"]
 
 def predict(row: dict) -> core.Pixels:
     paint = core.Paint(
+        diffraction=core.Diffraction.none,  # the flakes traced have no spread
         flakes_per_mm2=row["D"] * row["H"] * 1e-6,
         flake_diameter_um=np.sqrt(4 * row["S"] / np.pi) * 1e6,
         flake_area_spread=row["sigS"] / row["S"],

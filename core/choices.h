@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made by tools/parameters.py from parameters.toml: do not edit.
+//
+// What a paint can choose from, and the words by which people do.
+#pragma once
+
+#include <array>
+
+namespace metallic_paint {
+
+// How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX
+enum class Orientation { gaussian = 0, beckmann = 1, ggx = 2 };
+inline constexpr std::array kOrientationWords{"gaussian", "beckmann", "ggx"};
+
+// 0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the interference
+// colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 gold, 4 copper, 5
+// bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 tio2-on-silica, 11 tio2-on-thin-silica,
+// 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 fe2o3-on-aluminium
+enum class CoatingKind {
+  colors = 0,
+  aluminium = 1,
+  silver = 2,
+  gold = 3,
+  copper = 4,
+  bronze = 5,
+  brass = 6,
+  chromium = 7,
+  nickel = 8,
+  tio2_on_mica = 9,
+  tio2_on_silica = 10,
+  tio2_on_thin_silica = 11,
+  fe2o3_on_mica = 12,
+  fe2o3_on_silica = 13,
+  fe2o3_on_aluminium = 14
+};
+// clang-format off
+inline constexpr std::array kCoatingKindWords{"colors", "aluminium", "silver", "gold", "copper",
+                                              "bronze", "brass", "chromium", "nickel",
+                                              "tio2-on-mica", "tio2-on-silica",
+                                              "tio2-on-thin-silica", "fe2o3-on-mica",
+                                              "fe2o3-on-silica", "fe2o3-on-aluminium"};
+// clang-format on
+
+// 0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides its own
+// Flake Spread
+enum class Diffraction { none = 0, disc = 1 };
+inline constexpr std::array kDiffractionWords{"none", "disc"};
+
+// 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
+// instead, with the same mean
+enum class DepthModel { attenuated = 0, thinned = 1 };
+inline constexpr std::array kDepthModelWords{"attenuated", "thinned"};
+
+// 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
+enum class Radiometry { exact = 0, published = 1 };
+inline constexpr std::array kRadiometryWords{"exact", "published"};
+
+// 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel
+// takes the brighter of both
+enum class Composition { exact = 0, published = 1 };
+inline constexpr std::array kCompositionWords{"exact", "published"};
+
+// Calls visit(name, Choice{}, words, explanation) for each of them.
+template <class Visit>
+void each_choice(const Visit& visit) {
+  visit("Orientation", Orientation{}, kOrientationWords,
+        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX");
+  visit("CoatingKind", CoatingKind{}, kCoatingKindWords,
+        "0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the "
+        "interference colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 "
+        "gold, 4 copper, 5 bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 "
+        "tio2-on-silica, 11 tio2-on-thin-silica, 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 "
+        "fe2o3-on-aluminium");
+  visit("Diffraction", Diffraction{}, kDiffractionWords,
+        "0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides "
+        "its own Flake Spread");
+  visit("DepthModel", DepthModel{}, kDepthModelWords,
+        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
+        "out instead, with the same mean");
+  visit("Radiometry", Radiometry{}, kRadiometryWords,
+        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter");
+  visit("Composition", Composition{}, kCompositionWords,
+        "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots "
+        "a pixel takes the brighter of both");
+}
+
+}  // namespace metallic_paint

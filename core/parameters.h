@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made by tools/parameters.py from parameters.toml: do not edit.
+//
+// A metallic paint as artists and presets state it: real units in the names, the ranges
+// that validate() holds them to (paint.h).
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "choices.h"
+#include "layer.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+// One species of flakes.
+struct FlakeSpecies {
+  // Flakes in the whole depth of the layer under one square millimetre of surface; 0 to 1e9 1/mm2
+  double flakes_per_mm2 = 3000;
+  // Diameter of the disk that has the mean area of the flakes, in micrometres; 0.001 to 100000 um
+  double flake_diameter_um = 20;
+  // Standard deviation of the flakes' area divided by its mean; 0 to 100
+  double flake_area_spread = 0.3;
+  // How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX
+  Orientation orientation = Orientation::gaussian;
+  // How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha (at most 1)
+  // for Beckmann and GGX; 1e-6 to 100 rad (gaussian), 1e-6 to 1 (roughness of beckmann and ggx)
+  double tilt = 0.15;
+  // Angular radius by which one flake, being wavy, spreads the light that it reflects; 0 to 0.5 rad
+  double flake_spread = 0.005;
+  // Reflectance of a flake at normal incidence. Only with Coating 0; 0 to 1
+  Rgb<double> flake_color{0.91, 0.92, 0.92};
+  // Reflectance of a flake at grazing incidence. Only with Coating 0; 0 to 1
+  Rgb<double> flake_edge_color{1, 1, 1};
+  // Transmittance of a flake at every angle: with either reflectance at most 1. Only with Coating
+  // 0; 0 to 1
+  Rgb<double> flake_transmission{0, 0, 0};
+  // 0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the interference
+  // colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 gold, 4 copper, 5
+  // bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 tio2-on-silica, 11
+  // tio2-on-thin-silica, 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 fe2o3-on-aluminium
+  CoatingKind coating = CoatingKind::colors;
+  // Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres; 0 to 200
+  // nm
+  double coating_nm = 60;
+};
+
+// The first species is the paint's own; most paints have no other.
+struct Paint : FlakeSpecies {
+  std::array<FlakeSpecies, kSpecies - 1> more{FlakeSpecies{.flakes_per_mm2 = 0},
+                                              FlakeSpecies{.flakes_per_mm2 = 0}};
+  // Refractive index of the binder relative to what surrounds the paint; 0.1 to 10
+  double binder_ior = 1.5;
+  // Thickness of the layer that holds the flakes, in micrometres; 0 to 1e6 um
+  double layer_thickness_um = 30;
+  // How much of red, green and blue the binder absorbs per millimetre of path; 0 to 1e6 1/mm
+  Rgb<double> binder_absorption_per_mm{0, 0, 0};
+  // Weight of the scattering by pigment particles, per millimetre; 0 to 1e6 1/mm
+  double rayleigh_per_mm = 0;
+  // 0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides its own
+  // Flake Spread
+  Diffraction diffraction = Diffraction::disc;
+  // 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
+  // instead, with the same mean
+  DepthModel depth_model = DepthModel::attenuated;
+  // 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
+  Radiometry radiometry = Radiometry::exact;
+  // 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel
+  // takes the brighter of both
+  Composition composition = Composition::exact;
+  // How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, only
+  // their mean is left. With Composition exact, the paint stays as bright; 0 to 1
+  double sparkle_contrast = 1;
+  // Another number, another set of flakes
+  int seed = 0;
+  // Diffuse reflectance of what lies under the flakes; 0 to 1
+  Rgb<double> substrate_color{0.02, 0.02, 0.02};
+  // Relative deviation, from place to place, of the light that is scattered several times or by the
+  // substrate, seen over 1 mm²; finer pixels see more, the finest even more than they receive; 0 to
+  // 1
+  double texture_contrast = 0;
+  // Roughness of the surface of the binder. It blurs the highlight only: flakes are seen as through
+  // a smooth coat; 0 to 1
+  double coat_roughness = 0;
+  // Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good car
+  // paint has some 0.1°; 0 to 1 rad
+  double orange_peel = 0;
+  // Wavelength of those waves, in millimetres; 0.001 to 1e6 mm
+  double orange_peel_mm = 3;
+  // Another number, another draw of the same flakes. The scene's, not the paint's.
+  int frame = 0;
+
+  const FlakeSpecies& species(int i) const {
+    return i == 0 ? *this : more[static_cast<std::size_t>(i - 1)];
+  }
+};
+
+struct Range {
+  double least, most;
+  const char* unit = "";  // as it stands behind the range
+};
+
+inline constexpr Range kTiltAsRoughness{1e-6, 1, " (roughness of beckmann and ggx)"};
+// Of two colours; 1 but for the rounding of floats.
+inline constexpr double kMostOfASum = 1.0000001192092896;
+
+// Calls visit(name, member, range) for each parameter; for a choice, range is its words.
+template <class Visit>
+void each_flake_parameter(const Visit& visit) {
+  visit("flakes_per_mm2", &FlakeSpecies::flakes_per_mm2, Range{0, 1e9, " 1/mm2"});
+  visit("flake_diameter_um", &FlakeSpecies::flake_diameter_um, Range{0.001, 100000, " um"});
+  visit("flake_area_spread", &FlakeSpecies::flake_area_spread, Range{0, 100});
+  visit("orientation", &FlakeSpecies::orientation, kOrientationWords);
+  visit("tilt", &FlakeSpecies::tilt, Range{1e-6, 100, " rad (gaussian)"});
+  visit("flake_spread", &FlakeSpecies::flake_spread, Range{0, 0.5, " rad"});
+  visit("flake_color", &FlakeSpecies::flake_color, Range{0, 1});
+  visit("flake_edge_color", &FlakeSpecies::flake_edge_color, Range{0, 1});
+  visit("flake_transmission", &FlakeSpecies::flake_transmission, Range{0, 1});
+  visit("coating", &FlakeSpecies::coating, kCoatingKindWords);
+  visit("coating_nm", &FlakeSpecies::coating_nm, Range{0, 200, " nm"});
+}
+
+template <class Visit>
+void each_paint_parameter(const Visit& visit) {
+  visit("binder_ior", &Paint::binder_ior, Range{0.1, 10});
+  visit("layer_thickness_um", &Paint::layer_thickness_um, Range{0, 1e6, " um"});
+  visit("binder_absorption_per_mm", &Paint::binder_absorption_per_mm, Range{0, 1e6, " 1/mm"});
+  visit("rayleigh_per_mm", &Paint::rayleigh_per_mm, Range{0, 1e6, " 1/mm"});
+  visit("diffraction", &Paint::diffraction, kDiffractionWords);
+  visit("depth_model", &Paint::depth_model, kDepthModelWords);
+  visit("radiometry", &Paint::radiometry, kRadiometryWords);
+  visit("composition", &Paint::composition, kCompositionWords);
+  visit("sparkle_contrast", &Paint::sparkle_contrast, Range{0, 1});
+  visit("seed", &Paint::seed, Range{-2147483648, 2147483647});
+  visit("substrate_color", &Paint::substrate_color, Range{0, 1});
+  visit("texture_contrast", &Paint::texture_contrast, Range{0, 1});
+  visit("coat_roughness", &Paint::coat_roughness, Range{0, 1});
+  visit("orange_peel", &Paint::orange_peel, Range{0, 1, " rad"});
+  visit("orange_peel_mm", &Paint::orange_peel_mm, Range{0.001, 1e6, " mm"});
+}
+
+}  // namespace metallic_paint

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Made by tools/parameters.py from parameters.toml: do not edit.
+//
+// What a paint can choose from.
+#pragma once
+
+#define ORIENTATION_GAUSSIAN 0
+#define ORIENTATION_BECKMANN 1
+#define ORIENTATION_GGX 2
+
+#define COATING_COLORS 0
+#define COATING_ALUMINIUM 1
+#define COATING_SILVER 2
+#define COATING_GOLD 3
+#define COATING_COPPER 4
+#define COATING_BRONZE 5
+#define COATING_BRASS 6
+#define COATING_CHROMIUM 7
+#define COATING_NICKEL 8
+#define COATING_TIO2_ON_MICA 9
+#define COATING_TIO2_ON_SILICA 10
+#define COATING_TIO2_ON_THIN_SILICA 11
+#define COATING_FE2O3_ON_MICA 12
+#define COATING_FE2O3_ON_SILICA 13
+#define COATING_FE2O3_ON_ALUMINIUM 14
+
+#define DIFFRACTION_NONE 0
+#define DIFFRACTION_DISC 1
+
+#define DEPTH_MODEL_ATTENUATED 0
+#define DEPTH_MODEL_THINNED 1
+
+#define RADIOMETRY_EXACT 0
+#define RADIOMETRY_PUBLISHED 1
+
+#define COMPOSITION_EXACT 0
+#define COMPOSITION_PUBLISHED 1
