@@ -17,14 +17,14 @@ std::string shape_of(const py::array& array) {
 [[noreturn]] void reject_shape(const char* field, const py::array& array,
                                const std::string& shape) {
   throw py::value_error(std::string(field) + " has the shape " + shape_of(array) +
-                        ", but must be " + shape);
+                        ", but must be " + shape + ".");
 }
 
 }  // namespace
 
 void reject(const std::string& field, py::handle value, const std::string& range) {
   const py::object brief = py::module_::import("reprlib").attr("repr")(value);
-  throw py::value_error(field + " is " + brief.cast<std::string>() + ", but must be " + range);
+  throw py::value_error(field + " is " + brief.cast<std::string>() + ", but must be " + range + ".");
 }
 
 Array<double> numbers(const char* field, py::handle value) {

@@ -21,7 +21,7 @@ std::string at_row(const std::string& field, std::size_t row) {
 }
 
 void reject(const std::string& field, const std::string& value, const std::string& range) {
-  throw std::invalid_argument(field + " is " + value + ", but must be " + range);
+  throw std::invalid_argument(field + " is " + value + ", but must be " + range + ".");
 }
 
 void reject(const std::string& field, double value, const std::string& range) {

@@ -487,6 +487,84 @@ def _osl_macro(name: str, function: str, arguments: list[str]) -> Iterator[str]:
     yield lines[-1]
 
 
+# ---- The add-on ----
+
+
+def addon(table: Table) -> Iterator[str]:
+    yield from (
+        "# SPDX-License-Identifier: GPL-3.0-or-later",
+        f"# {MADE}",
+        '"""The fields of a paint with their defaults, and what is to be known of each."""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from dataclasses import dataclass",
+        "",
+        "from .parameter import Color, Parameter",
+        "",
+        "# fmt: off",
+        f"VERSION_OF_DEFAULTS = {table.version_of_defaults}",
+        "# By field: a default that was, and the last version of the defaults that had it.",
+        "FORMER_DEFAULTS: dict[str, tuple[tuple[int, float | str | Color], ...]] = {",
+    )
+    for row in table.all:
+        if row.former:
+            former = [
+                f"({each['through']}, {_python(row, each['default'])})" for each in row.former
+            ]
+            yield f'    "{row.name}": ({", ".join(former)},),'
+    yield from ("}", "", "# Of two colours; 1 but for the rounding of floats.",
+                f"MOST_OF_A_SUM = {literal(table.most_of_a_sum)}")  # fmt: skip
+    for name, rows in (("Flake", table.flakes), ("Paint", table.paint)):
+        yield from ("", "", "@dataclass(frozen=True)", f"class {name}Fields:")
+        for row in rows:
+            kind = {"choice": "str", "color": "Color", "rgb": "Color"}.get(row.type, row.type)
+            yield f"    {row.name}: {kind} = {_python(row, row.default)}"
+    for name, rows in (("FLAKE", table.flakes), ("PAINT", table.paint)):
+        yield from ("", "", f"{name}_PARAMETERS = {{")
+        for row in rows:
+            yield f'    "{row.name}": Parameter('
+            yield from (f"        {line}" for line in _parameter(row))
+            yield "    ),"
+        yield "}"
+    yield ""
+    for row in table.flakes:
+        if row.as_roughness:
+            yield f"{row.name.upper()}_AS_ROUGHNESS = Parameter("
+            yield from (f"    {line}" for line in _parameter(row, row.as_roughness))
+            yield ")"
+
+
+def _python(row: Parameter, value: float | str | list[float]) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list):
+        return f"({', '.join(map(real, value))})"
+    return real(value) if row.type == "float" else str(value)
+
+
+def _parameter(row: Parameter, changes: dict[str, Any] = {}) -> Iterator[str]:  # noqa: B006
+    """The arguments of the add-on's Parameter, in lines."""
+    ends = changes.get("range", row.ends)
+    yield f'"{row.shader}", "{row.label}", "{row.panel}", {literal(ends[0])}, {literal(ends[1])},'
+    lines = textwrap.wrap(row.tooltip, WIDTH - 12, break_on_hyphens=False)
+    yield from (f'"{line} "' for line in lines[:-1])
+    yield f'"{lines[-1]}",'
+    if row.choices:
+        yield from packed([f'"{word}"' for word in row.choices], "choices=(", "),", WIDTH - 8)
+    more = []
+    if unit := changes.get("unit", row.unit):
+        more.append(f'unit="{unit}"')
+    if row.subtype != "NONE":
+        more.append(f'subtype="{row.subtype}"')
+    if row.type == "color":
+        more.append("is_color=True")
+    if row.useful:
+        more.append(f"useful=({literal(row.useful[0])}, {literal(row.useful[1])})")
+    if more:
+        yield ", ".join(more) + ","
+
+
 # ---- The manual ----
 
 
@@ -521,6 +599,7 @@ _FILES: dict[str, Callable[[Table], Iterator[str]]] = {
     "osl/parameters.h": osl_parameters,
     "osl/parameters.inc": osl_inputs,
     "bindings/metallic_paint_core/_paint.pyi": stubs,
+    "addon/metallic_paint/paint/table.py": addon,
 }
 MANUAL = "docs/manual/README.md"
 

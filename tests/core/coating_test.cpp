@@ -196,14 +196,14 @@ std::string complaint(int kind, double nm) {
 
 TEST(CoatingLibrary, BadCoatingsAreNamed) {
   EXPECT_EQ(complaint(0, 0),
-            "coating is 0, but must be from 1 (aluminium) to 14 (fe2o3-on-aluminium)");
+            "coating is 0, but must be from 1 (aluminium) to 14 (fe2o3-on-aluminium).");
   EXPECT_EQ(complaint(1, 0), "");
   EXPECT_EQ(complaint(14, 200), "");
   EXPECT_EQ(complaint(15, 0),
             "coating is 15, but must be from 1 (aluminium) to 14 "
-            "(fe2o3-on-aluminium)");
+            "(fe2o3-on-aluminium).");
   EXPECT_EQ(complaint(-1, 0).find("coating is -1"), 0U);
-  EXPECT_EQ(complaint(9, 201), "coating_nm is 201, but must be from 0 to 200 nm");
+  EXPECT_EQ(complaint(9, 201), "coating_nm is 201, but must be from 0 to 200 nm.");
   EXPECT_EQ(complaint(9, std::nan("")).find("coating_nm is nan"), 0U);
 }
 

@@ -173,6 +173,7 @@ TEST(Paint, FlakesGiveBackNoMoreThanTheyGet) {
   }
   EXPECT_EQ(kMostOfASum, std::nextafter(1.0f, 2.0f));
   paint.flake_transmission = {0.3, 0.3, 0.3};
+  paint.flake_edge_color = {0.7, 0.7, 0.7};
   paint.flake_color = {0.7000001, 0.7, 0.7};
   EXPECT_EQ(complaint(paint), "");
   paint.flake_color = {0.7, 0.7000002, 0.7};

@@ -82,10 +82,10 @@ def test_saved_paint_loads_as_it_was(
 BAD = {
     "no JSON": ("{", "is no JSON"),
     "a field out of range": ('{"schema_version": 1, "paint": {"tilt": 1000}}',
-                             "paint.tilt is 1000 and must lie in"),
+                             "paint.tilt is 1000, but must be from"),
     "a field of the second species": (
         '{"schema_version": 1, "paint": {"second": {"coating": "lead"}}}',
-        "paint.second.coating is 'lead' and must be one of"),
+        "paint.second.coating is 'lead', but must be colors, aluminium"),
     "an unknown field": ('{"schema_version": 1, "paint": {"glitter": 1}}', "paint.glitter"),
     "NaN": ('{"schema_version": 1, "paint": {"tilt": NaN}}', "NaN is no number"),
     "a future version": ('{"schema_version": 99, "paint": {}}', "schema_version is 99"),

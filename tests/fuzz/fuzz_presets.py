@@ -36,7 +36,18 @@ VALUES = (
     '"\\u001b[2J"', '"\\ud83d\\ude00"', "[]", "{}", "[0,0,0]", "[1,1,1]", "[0,0]", "[0,0,0,0]",
     "[0,0,NaN]", "[[0],0,0]", '["a",0,0]', '{"0":0,"1":0,"2":0}', "[" * 200 + "]" * 200,
 )  # fmt: skip
-KEYS = ("schema_version", "description", "paint", "", "a", "\ud800", "\0", "\x1b[2J", "k" * 5000)
+KEYS = (
+    "schema_version",
+    "defaults",
+    "description",
+    "paint",
+    "",
+    "a",
+    "\ud800",
+    "\0",
+    "\x1b[2J",
+    "k" * 5000,
+)
 
 
 FIELDS = [field.name for field in dataclasses.fields(presets.Paint)]
@@ -51,6 +62,7 @@ def seeds() -> Iterator[bytes]:
     yield least % b'"tilt": 0.1, "tilt": 0.1'
     yield (least % b"").ljust(presets.MAX_BYTES)
     yield (least % b"").ljust(presets.MAX_BYTES + 1)
+    yield b'{"schema_version": 2, "defaults": 1, "paint": {"tilt": 0.1, "second": {}}}'
     yield least % b'"second": {"tilt": 0.1}, "third": {"flakes_per_mm2": 5}'
     for depth in (100, *range(900, 1001, 10), 10000):  # Python's recursion ends at 1000
         for where in (
@@ -116,7 +128,7 @@ def main() -> None:
     for number, seed in enumerate(seeds()):
         (corpus / f"seed-{number}").write_bytes(seed)
     words = scratch / "words"
-    texts = [json.dumps(word) for word in (*FIELDS, *KEYS[:3])]
+    texts = [json.dumps(word) for word in (*FIELDS, *KEYS[:4])]
     words.write_text("".join(f"{json.dumps(word)}\n" for word in texts))
     options = ["-timeout=10", "-rss_limit_mb=1024", f"-max_len={presets.MAX_BYTES + 1024}",
                f"-artifact_prefix={FOUND}/", f"-dict={words}"]  # fmt: skip

@@ -152,7 +152,7 @@ def wrong_kinds() -> list[tuple[str, object, str]]:
     [*wrong_kinds(), ("frame", 2**40, "a whole number from -2^31 to 2^31 - 1")],
 )
 def test_a_field_of_a_wrong_kind_is_named(name: str, value: object, must: str) -> None:
-    message = f"^{re.escape(f'{name} is {reprlib.repr(value)}, but must be {must}')}$"
+    message = f"^{re.escape(f'{name} is {reprlib.repr(value)}, but must be {must}.')}$"
     with pytest.raises(ValueError, match=message):
         core.Paint(**{name: value})
     with pytest.raises(ValueError, match=message):

@@ -6,12 +6,14 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import parameters
 import pytest
-from metallic_paint.paint import PARAMETERS, presets
+from metallic_paint.paint import PARAMETERS, presets, table, value_of
 from metallic_paint.paint.presets import Flakes, Paint, PaintError, PresetError
 
 OWN = {name: p for name, p in PARAMETERS.items() if "." not in name}  # not of further species
@@ -65,14 +67,33 @@ def test_the_promised_presets_ship() -> None:
     }  # fmt: skip
 
 
+REFERENCE = json.loads((Path(__file__).parent / "preset-values.json").read_text(encoding="utf-8"))
+
+
 @pytest.mark.parametrize("name", presets.names())
-def test_a_shipped_preset_leaves_nothing_to_defaults(name: str) -> None:
-    content = json.loads((presets.FOLDER / f"{name}.json").read_text(encoding="utf-8"))
-    fields = [f.name for f in dataclasses.fields(Paint)]
-    assert [f for f in fields if f not in ("second", "third")] == [
-        f for f in content["paint"] if f not in ("second", "third")
-    ]
+def test_a_shipped_preset_is_the_paint_that_it_was(name: str) -> None:
+    """Whatever has become of the defaults since: the values are those of 0.1.0, as it stated all.
+
+    A field that came later is at its neutral value and stands in no preset.
+    """
+    paint = presets.load(name)
+    for field, value in zip(REFERENCE["fields"], REFERENCE[name], strict=True):
+        wanted = tuple(value) if isinstance(value, list) else value
+        assert value_of(paint, field) == wanted, field
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_a_shipped_preset_names_what_differs_from_its_defaults(name: str) -> None:
+    file = presets.FOLDER / f"{name}.json"
+    content = json.loads(file.read_text(encoding="utf-8"))
     assert content["description"]
+    assert content["schema_version"] == presets.SCHEMA_VERSION
+    if content["defaults"] == table.VERSION_OF_DEFAULTS:
+        for kind, values in ((Paint, content["paint"]), (Flakes, content["paint"].get("second"))):
+            for field, value in (values or {}).items():
+                assert not isinstance(value, dict) or field in ("second", "third")
+                default = getattr(kind, field)
+                assert (tuple(value) if isinstance(value, list) else value) != default, field
 
 
 def test_coverage_is_flake_area_per_area_of_paint() -> None:
@@ -97,39 +118,43 @@ def test_a_paint_takes_the_ends_of_a_range_and_nothing_beyond(name: str, end: st
         beyond = bound + (-1 if end == "minimum" else 1)
     with pytest.raises(PaintError) as error:
         Paint(**{name: beyond})
-    assert str(error.value) == (
-        f"{name} is {beyond!r} and must lie in {parameter.minimum:g}..{parameter.maximum:g}."
-    )
+    ends = f"{parameter.minimum:.9g} to {parameter.maximum:.9g} {parameter.unit}".rstrip()
+    if name == "seed":
+        ends = "-2^31 to 2^31 - 1"
+    assert str(error.value).startswith(f"{name} is ")
+    assert str(error.value).endswith(f" from {ends}.")
 
 
 @pytest.mark.parametrize("name", NUMBERS + COLORS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_paint_has_only_finite_numbers(name: str, value: float) -> None:
-    with pytest.raises(PaintError, match=f"^{name}.* is -?(nan|inf) and must "):
+    with pytest.raises(PaintError, match=f"^{name}.* is -?(nan|inf), but must "):
         Paint(**{name: (value, 0, 0) if name in COLORS else value})
 
 
 @pytest.mark.parametrize("name", COLORS)
 @pytest.mark.parametrize("value", [0.5, "red", (0.1, 0.2), (0, 0, 0, 1), None])
 def test_a_color_is_three_numbers(name: str, value: object) -> None:
-    with pytest.raises(PaintError, match=f"^{name} is .* and must be three numbers"):
+    with pytest.raises(PaintError, match=f"^{name} is .*, but must be three numbers from"):
         Paint(**{name: value})
 
 
 def test_a_bad_channel_is_named() -> None:
-    with pytest.raises(PaintError, match=r"^flake_color\[1\] is 1.5 and must lie in 0..1\.$"):
+    with pytest.raises(PaintError, match=r"^flake_color\.g is 1.5, but must be from 0 to 1\.$"):
         Paint(flake_color=(0, 1.5, 0))
 
 
 @pytest.mark.parametrize("name", NUMBERS)
 @pytest.mark.parametrize("value", [True, "3", None, [1]])
 def test_a_number_is_a_number(name: str, value: object) -> None:
-    with pytest.raises(PaintError, match=f"^{name} is .* and must be a (whole )?number"):
+    with pytest.raises(PaintError, match=f"^{name} is .*, but must be a (whole )?number from"):
         Paint(**{name: value})
 
 
 def test_a_seed_is_whole() -> None:
-    with pytest.raises(PaintError, match=r"^seed is 1\.5 and must be a whole number\.$"):
+    with pytest.raises(
+        PaintError, match=r"^seed is 1\.5, but must be a whole number from -2\^31 to .*\.$"
+    ):
         Paint(seed=1.5)
 
 
@@ -138,16 +163,17 @@ def test_a_seed_is_whole() -> None:
 def test_a_choice_is_one_of_its_words(name: str, value: object) -> None:
     with pytest.raises(PaintError) as error:
         Paint(**{name: value})
-    assert str(error.value) == (
-        f"{name} is {value!r} and must be one of {', '.join(PARAMETERS[name].choices)}."
-    )
+    *others, last = PARAMETERS[name].choices
+    assert str(error.value) == f"{name} is {value!r}, but must be {', '.join(others)} or {last}."
 
 
 @pytest.mark.parametrize("orientation", ["beckmann", "ggx"])
 def test_a_roughness_is_at_most_one(orientation: str) -> None:
     assert Paint(orientation=orientation, tilt=1).tilt == 1
     assert Paint(orientation="gaussian", tilt=1.01).tilt == 1.01
-    with pytest.raises(PaintError, match=r"^tilt is 1\.01 and must lie in 1e-06\.\.1, "):
+    with pytest.raises(
+        PaintError, match=r"^tilt is 1\.01, but must be from 1e-06 to 1 \(roughness"
+    ):
         Paint(orientation=orientation, tilt=1.01)
 
 
@@ -159,8 +185,8 @@ def test_a_flake_gives_back_no_more_light_than_it_receives(edge: str) -> None:
     Paint(**paint, flake_transmission=(0.1, 0.1, 0.1))
     with pytest.raises(PaintError) as error:
         Paint(**paint, flake_transmission=(0.1, 0.1, 0.11))
-    assert str(error.value).startswith(
-        f"{reflectance}[2] + flake_transmission[2] is 0.9 + 0.11 and must lie in 0..1"
+    assert str(error.value) == (
+        f"{reflectance} + flake_transmission is 1.01, but must be at most 1 in every channel."
     )
 
 
@@ -204,6 +230,71 @@ def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
     assert presets.load(tmp_path / "mine.json") == Paint(tilt=0.3)
 
 
+def test_a_saved_paint_names_only_what_differs(tmp_path: Path) -> None:
+    file = tmp_path / "mine.json"
+    more = Flakes(flakes_per_mm2=0, tilt=0.3)
+    for paint, fields in [
+        (Paint(), {}),
+        (Paint(seed=3, flake_color=(0.5, 0.5, 0.5)), {"flake_color": [0.5, 0.5, 0.5], "seed": 3}),
+        (Paint(second=more), {"second": {"flakes_per_mm2": 0.0, "tilt": 0.3}}),
+        (Paint(third=Flakes()), {"third": {}}),
+    ]:
+        presets.save(paint, file)
+        assert json.loads(file.read_text())["paint"] == fields
+        assert presets.load(file) == paint
+
+
+# What the add-on's files of another day read, without Blender.
+OTHER_DAY = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+from metallic_paint.paint import Paint, presets
+paints = map(presets.load, sys.argv[2:])
+found = [[getattr(paint, name) for name in ("tilt", "seed", "glitter")] for paint in paints]
+print(json.dumps(found + [presets.load(name).tilt for name in ("gold", "lime")]))
+"""
+
+
+def test_presets_keep_their_look_when_a_default_changes_and_a_parameter_comes(
+    tmp_path: Path,
+) -> None:
+    """Another table: from version 2 on tilt starts at 0.2, and there is Glitter, 1 but 0 before."""
+    text = (parameters.ROOT / parameters.TABLE).read_text(encoding="utf-8")
+    text = text.replace("version_of_defaults = 1\n", "version_of_defaults = 2\n")
+    text = text.replace(
+        '[flakes.tilt]\ntype = "float"\ndefault = 0.15\n',
+        '[flakes.tilt]\ntype = "float"\ndefault = 0.2\n'
+        "former = [{ through = 1, default = 0.15 }]\n",
+    )
+    seed = text[text.index("[paint.seed]") : text.index("[paint.substrate_color]")]
+    glitter = seed.replace("seed", "glitter").replace("Seed", "Glitter")
+    glitter = glitter.replace(
+        "default = 0\n", "default = 1\nformer = [{ through = 1, default = 0 }]\n"
+    )
+    (tmp_path / "parameters.toml").write_text(text + glitter, encoding="utf-8")
+    made = parameters.made(parameters.read(tmp_path / "parameters.toml"))
+    addon = tmp_path / "addon" / "metallic_paint"
+    shutil.copytree(Path(presets.__file__).parent.parent, addon)
+    (addon / "paint" / "table.py").write_text(
+        made["addon/metallic_paint/paint/table.py"], encoding="utf-8"
+    )
+    files = {
+        '{"schema_version": 1, "paint": {"seed": 4}}': [0.15, 4, 0],
+        '{"schema_version": 2, "defaults": 1, "paint": {"seed": 5}}': [0.15, 5, 0],
+        '{"schema_version": 2, "defaults": 2, "paint": {"seed": 6}}': [0.2, 6, 1],
+        '{"schema_version": 2, "defaults": 1, "paint": {"tilt": 0.2, "seed": 7}}': [0.2, 7, 0],
+    }
+    for number, content in enumerate(files):
+        (tmp_path / f"{number}.json").write_text(content)
+    names = [str(tmp_path / f"{number}.json") for number in range(len(files))]
+    done = subprocess.run(
+        [sys.executable, "-c", OTHER_DAY, str(addon.parent), *names],
+        capture_output=True, text=True, check=True, timeout=60,
+    )  # fmt: skip
+    shipped = [presets.load(name).tilt for name in ("gold", "lime")]
+    assert json.loads(done.stdout) == [*files.values(), *shipped]
+
+
 def test_an_unknown_name_is_told_the_known_ones() -> None:
     with pytest.raises(PresetError, match=r"'silber' is neither a file nor a preset.*candy-red"):
         presets.load("silber")
@@ -230,7 +321,7 @@ BAD_FILES = {
     "nan": (text({"tilt": math.nan}), "NaN is no number that a paint can have"),
     "infinity": (text({"tilt": math.inf}), "Infinity is no number that a paint can have"),
     "overflow": ('{"schema_version": 1, "paint": {"tilt": 1e999}}',
-                 "paint.tilt is inf and must lie in 1e-06..100"),
+                 "paint.tilt is inf, but must be from 1e-06 to 100"),
     "huge integer": ('{"schema_version": 1, "paint": {"tilt": 1' + 400 * "0" + "}}",
                      "paint.tilt is 1000000000"),
     "endless integer": ('{"schema_version": 1, "paint": {"tilt": 1' + 5000 * "0" + "}}",
@@ -243,25 +334,33 @@ BAD_FILES = {
     "unknown field": (text({"colour": 1}), "'paint.colour' is no key of a preset; the keys are fl"),
     "flood of a key": (text({"k" * 60000: 1}), "kkk' is no key of a preset"),
     "flood of a version": ('{"schema_version": [' + 20000 * "0, " + '0], "paint": {}}',
-                           "schema_version is [0, 0, 0, 0, 0, 0, ...] and must be 1"),
+                           "schema_version is [0, 0, 0, 0, 0, 0, ...], but must be 1 or 2"),
     "a key for the console": (text({"\x1b[2J": 1}), r"'paint.\x1b[2J' is no key of a preset"),
-    "no version": ('{"paint": {}}', "schema_version is None and must be 1"),
-    "other version": ('{"schema_version": 2, "paint": {}}', "schema_version is 2 and must be 1"),
+    "no version": ('{"paint": {}}', "schema_version is None, but must be 1 or 2"),
+    "other version": ('{"schema_version": 3, "paint": {}}',
+                      "schema_version is 3, but must be 1 or 2"),
+    "no defaults": ('{"schema_version": 2, "paint": {}}', "defaults is None, but must be from 1"),
+    "defaults of the first schema": (text({}, defaults=1), "'defaults' is no key of a preset"),
+    "defaults to come": ('{"schema_version": 2, "defaults": 99, "paint": {}}',
+                         "defaults is 99, but must be from 1"),
+    "true defaults": ('{"schema_version": 2, "defaults": true, "paint": {}}',
+                      "defaults is True, but must be from 1"),
     "true version": ('{"schema_version": true, "paint": {}}',
-                     "schema_version is True and must be 1"),
+                     "schema_version is True, but must be 1 or 2"),
     "float version": ('{"schema_version": 1.0, "paint": {}}',
-                      "schema_version is 1.0 and must be 1"),
+                      "schema_version is 1.0, but must be 1 or 2"),
     "no paint": ('{"schema_version": 1}', "paint is missing or no object"),
     "paint a list": ('{"schema_version": 1, "paint": []}', "paint is missing or no object"),
     "description": (text({}, description=3), "description must be a text"),
-    "boolean": (text({"tilt": True}), "paint.tilt is True and must be a number"),
-    "string": (text({"tilt": "0.1"}), "paint.tilt is '0.1' and must be a number"),
-    "fractional seed": (text({"seed": 1.5}), "paint.seed is 1.5 and must be a whole number"),
-    "color": (text({"flake_color": [1, 1]}), "paint.flake_color is [1, 1] and must be three num"),
+    "boolean": (text({"tilt": True}), "paint.tilt is True, but must be a number"),
+    "string": (text({"tilt": "0.1"}), "paint.tilt is '0.1', but must be a number"),
+    "fractional seed": (text({"seed": 1.5}), "paint.seed is 1.5, but must be a whole number"),
+    "color": (text({"flake_color": [1, 1]}), "paint.flake_color is [1, 1], but must be three num"),
     "color of booleans": (text({"flake_color": [True, 0, 0]}),
-                          "paint.flake_color[0] is True and must be a number"),
-    "range": (text({"binder_ior": 0}), "paint.binder_ior is 0 and must lie in 0.1..10"),
-    "energy": (text({"flake_transmission": [0.5, 0, 0]}), "paint.flake_color[0] + flake_transm"),
+                          "paint.flake_color is [True, 0, 0], but must be three numbers"),
+    "range": (text({"binder_ior": 0}), "paint.binder_ior is 0, but must be from 0.1 to 10"),
+    "energy": (text({"flake_transmission": [0.5, 0, 0]}),
+               "paint.flake_color + flake_transmission is 1.41, but must be at most 1"),
     "not an object": ("[1]", "the file must hold an object {...}"),
     "not JSON": ("paint: silver", "is no JSON"),
     "empty": ("", "is no JSON"),

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paints as JSON files: those that ship in presets/, and anyone's.
 
-A file is an object with "schema_version": 1, an optional "description", and "paint": an object
-with the fields of Paint, units and ranges as there; "second" and "third" in it are objects with
-the fields of Flakes. A field that is left out has its default.
+A file is an object with "schema_version": 2, "defaults": a number, an optional "description", and
+"paint": an object with the fields of Paint, units and ranges as there; "second" and "third" in it
+are objects with the fields of Flakes, and no flakes where they are left out. Any other field that
+is left out has its default, as it was in the version "defaults" of the defaults: a preset keeps its
+look when a default changes or a parameter comes. "schema_version": 1 stands for version 1 of them.
 Files are read strictly, since they come from anywhere. Nothing here needs Blender.
 """
 
@@ -17,15 +19,17 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .parameters import NO_FLAKES, Color, Flakes, Paint, PaintError, shown
+from . import table
+from .parameters import Color, Flakes, Paint, PaintError, shown
 
 __all__ = ["Color", "Flakes", "Paint", "PaintError", "PresetError", "load", "names", "save"]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 MAX_BYTES = 64 * 1024
 FOLDER = Path(__file__).parent / "presets"
 
-_KEYS = ("schema_version", "description", "paint")
+_KEYS = {1: ("schema_version", "description", "paint"),
+         2: ("schema_version", "defaults", "description", "paint")}  # fmt: skip
 _SPECIES = ("second", "third")
 
 
@@ -62,12 +66,10 @@ def load(name_or_path: str | os.PathLike[str]) -> Paint:
 def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> None:
     """Writes the file whole or not at all."""
     content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
+    content["defaults"] = table.VERSION_OF_DEFAULTS
     if description:
         content["description"] = description
-    content["paint"] = dataclasses.asdict(paint)
-    for name in _SPECIES:
-        if getattr(paint, name) == NO_FLAKES:
-            del content["paint"][name]
+    content["paint"] = _differences(paint)
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -76,6 +78,16 @@ def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> N
     finally:
         with contextlib.suppress(FileNotFoundError):
             unfinished.unlink()
+
+
+def _differences(flakes: Flakes) -> dict[str, Any]:
+    """The fields in which flakes, or a paint, differ from the defaults."""
+    found: dict[str, Any] = {}
+    for field in dataclasses.fields(flakes):
+        value = getattr(flakes, field.name)
+        if value != field.default:
+            found[field.name] = _differences(value) if isinstance(value, Flakes) else value
+    return found
 
 
 def _text(content: dict[str, Any]) -> str:
@@ -99,12 +111,18 @@ def _read(path: Path) -> Paint:
     content = _parse(path)
     if not isinstance(content, dict):
         raise PresetError(f"{path}: the file must hold an object {{...}}.")
-    _check_keys(path, "", content, _KEYS)
-    version = content.get("schema_version")
-    if type(version) is not int or version != SCHEMA_VERSION:
+    schema = content.get("schema_version")
+    if type(schema) is not int or schema not in _KEYS:
         raise PresetError(
-            f"{path}: schema_version is {shown(version)} and must be {SCHEMA_VERSION}, the only "
-            "one that this add-on knows."
+            f"{path}: schema_version is {shown(schema)}, but must be 1 or {SCHEMA_VERSION}: this "
+            "add-on knows no other."
+        )
+    _check_keys(path, "", content, _KEYS[schema])
+    version = content.get("defaults") if schema > 1 else 1
+    if type(version) is not int or not 1 <= version <= table.VERSION_OF_DEFAULTS:
+        raise PresetError(
+            f"{path}: defaults is {shown(version)}, but must be from 1 to "
+            f"{table.VERSION_OF_DEFAULTS}: this add-on knows no other."
         )
     if not isinstance(content.get("description", ""), str):
         raise PresetError(f"{path}: description must be a text.")
@@ -116,16 +134,27 @@ def _read(path: Path) -> Paint:
         if name in paint:
             if not isinstance(paint[name], dict):
                 raise PresetError(f"{path}: paint.{name} is no object {{...}}.")
-            fields[name] = _build(path, f"paint.{name}.", Flakes, paint[name])
-    return _build(path, "paint.", Paint, fields)
+            fields[name] = _build(path, f"paint.{name}.", Flakes, paint[name], version)
+    return _build(path, "paint.", Paint, fields, version)
 
 
-def _build(path: Path, where: str, kind: type[Flakes], values: dict[str, Any]) -> Any:  # noqa: ANN401
-    _check_keys(path, where, values, [field.name for field in dataclasses.fields(kind)])
+def _build(path: Path, where: str, kind: type[Flakes], values: dict[str, Any], version: int) -> Any:  # noqa: ANN401
+    known = [field.name for field in dataclasses.fields(kind)]
+    _check_keys(path, where, values, known)
+    former = {name: default for name, default in _defaults_of(version).items() if name in known}
     try:
-        return kind(**values)
+        return kind(**(former | values))
     except PaintError as error:
         raise PresetError(f"{path}: {where}{error}") from error
+
+
+def _defaults_of(version: int) -> dict[str, Any]:
+    """Those defaults of that version that are others today."""
+    return {
+        name: next(default for through, default in changes if through >= version)
+        for name, changes in table.FORMER_DEFAULTS.items()
+        if changes[-1][0] >= version
+    }
 
 
 def _parse(path: Path) -> object:
