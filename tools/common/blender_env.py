@@ -47,8 +47,8 @@ def finish(code: int) -> NoReturn:
     """Ends the process at once: an ordinary exit can hang in bpy 4.5, and lose the exit code."""
     sys.stdout.flush()
     sys.stderr.flush()
-    if "bpy" in sys.modules:
-        _scratch.append(Path(sys.modules["bpy"].app.tempdir))
+    if bpy := sys.modules.get("bpy"):
+        _scratch.append(Path(bpy.app.tempdir))
     for folder in _scratch:
         shutil.rmtree(folder, ignore_errors=True)
     os._exit(code)
