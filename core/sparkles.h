@@ -7,8 +7,8 @@
 //
 // How many flakes of the pixel happen to mirror the light is a random count (paper, 5.3.5). Each
 // sends radiance, told per unit of the light's irradiance on a plane normal to it: T = L/E_n. What
-// no deviate touches comes first (`expect_sparkles`), with the mean and the variance in closed form;
-// then the draw (`draw_sparkles`).
+// no deviate touches comes first (`expect_sparkles`), with the mean and the variance in closed
+// form; then the draw (`draw_sparkles`).
 //
 // A sparkling flake shows the light's own radiance E_n/Omega, dimmed by both passages of the
 // surface, by its coating and by the layer above it, and covers the share S
