@@ -21,6 +21,7 @@ from metallic_paint.interface import verify as interface
 from metallic_paint.native import core_missing
 from metallic_paint.paint import material, presets, shader
 from metallic_paint.verify import check
+from metallic_paint.verify import job as verify_job
 from metallic_paint.verify.check import VerifyError, as_found
 from metallic_paint.verify.job import PICTURES, Job, painted_of, run, why_not
 from metallic_paint.verify.process import find
@@ -245,22 +246,72 @@ def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
     assert "Metallic Paint Core" in bpy.data.images
 
 
-@pytest.mark.parametrize(
-    "error", [FileNotFoundError("pictures.npy"), ValueError("cut off"), EOFError("No data left")]
-)
-def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
-    operator: SimpleNamespace, error: Exception
-) -> None:
+def failing(error: Exception) -> tuple[SimpleNamespace, list[bool]]:
+    """A job that fails at its end, and whether it was closed."""
+
     def pictures() -> None:
         raise error
 
-    closed = []
-    job = SimpleNamespace(poll=lambda: True, pictures=pictures, close=lambda: closed.append(True))
+    closed: list[bool] = []
+    close = lambda: closed.append(True)  # noqa: E731
+    return SimpleNamespace(poll=lambda: True, pictures=pictures, close=close), closed
+
+
+@pytest.mark.parametrize("error", [FileNotFoundError("a folder"), VerifyError("cut off")])
+def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
+    operator: SimpleNamespace, error: Exception
+) -> None:
+    job, closed = failing(error)
     interface._running.append(job)
     assert operator.send("TIMER") == {"CANCELLED"}
     assert operator.reported == [str(error)]
     assert closed
     assert not interface._running
+
+
+def test_an_error_of_ours_is_not_swallowed_and_makes_room_too(operator: SimpleNamespace) -> None:
+    job, closed = failing(ValueError("a bug"))
+    interface._running.append(job)
+    with pytest.raises(ValueError, match="a bug"):
+        operator.send("TIMER")
+    assert operator.reported == []
+    assert closed
+    assert not interface._running
+
+
+@pytest.mark.parametrize("left", [None, b"", b"\x93NUMPY\x01\x00", b"cut off"])
+def test_pictures_that_are_not_whole_are_told(tmp_path: Path, left: bytes | None) -> None:
+    if left is not None:
+        (tmp_path / "pictures.npy").write_bytes(left)
+    with pytest.raises(VerifyError, match="The pictures of the check cannot be read"):
+        Job.pictures(SimpleNamespace(folder=tmp_path))
+
+
+def test_a_scene_that_cannot_be_copied_is_told(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    scene = build()
+    folder = tmp_path / "job"
+    folder.mkdir()
+    (folder / "scene.blend").mkdir()  # where the copy should go
+    monkeypatch.setattr("tempfile.mkdtemp", lambda **_: str(folder))
+    with pytest.raises(VerifyError, match="The scene cannot be copied for the check"):
+        Job(scene, scene.objects["Monkey"], SIZE)
+    assert not folder.exists()
+
+
+def test_an_error_in_the_other_blender_comes_with_its_traceback(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = build()
+    modules = verify_job._modules()
+    broken = tmp_path / "metallic_paint_core.py"
+    broken.write_text("raise ValueError('a bug')")
+    modules["metallic_paint_core"] = str(broken)
+    monkeypatch.setattr(verify_job, "_modules", lambda: modules)
+    with pytest.raises(VerifyError, match=r"The other Blender ended: .*ValueError: a bug"):
+        run(scene, scene.objects["Monkey"], SIZE)
+    assert "Traceback" in capsys.readouterr().err
 
 
 def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:

@@ -15,6 +15,7 @@ import addon_utils
 import bpy
 import pytest
 from package import NAME, Addon
+from recording import drawn
 
 
 @pytest.fixture(autouse=True)
@@ -247,16 +248,6 @@ def test_emitting_materials_are_noticed(addon: Addon) -> None:
     assert "objects that may emit" in addon("scene.needs").said()
 
 
-def test_dented_mesh_shows_itself(addon: Addon, painted: bpy.types.Object) -> None:
-    add("SUN", "Sun")
-    assert "the paint itself" not in addon("scene.needs").said()
-    top = max(painted.data.vertices, key=lambda vertex: vertex.co.z)
-    top.co.z = -0.5
-    painted.data.update()
-    update()
-    assert "the paint itself" in addon("scene.needs").said()
-
-
 def test_nothing_is_fitted_twice_or_without_reason(fits: list[str]) -> None:
     add("SUN", "Sun")
     assert len(fits) == 1
@@ -380,6 +371,39 @@ def test_with_a_window_the_timer_fits_once_the_scene_rests(
     follow.follow()
     assert slots(addon) == ["Sun", "Sun 2"]
     assert len(fits) == 1
+
+
+def test_an_error_is_told_once_and_does_not_end_the_timer(
+    addon: Addon,
+    painted: bpy.types.Object,
+    jobs: set[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    follow, needs = addon("scene.follow"), addon("scene.needs")
+    monkeypatch.setattr(follow, "REST_SECONDS", 0)
+
+    def fail(scene: bpy.types.Scene) -> None:
+        raise ValueError("a lamp of lead")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(needs, "fit", fail)
+        for name in ("Sun", "Sun 2"):
+            add("SUN", name)
+            assert follow.follow() == follow.REST_SECONDS  # Blender calls it again
+        assert slots(addon) == []
+        said = capsys.readouterr().err
+        assert said.count("Traceback") == 1
+        assert said.count("could not follow the last change (a lamp of lead)") == 1
+        bpy.context.view_layer.objects.active = painted
+        shown = " ".join(drawn(bpy.types.MATERIAL_PT_metallic_paint).texts)
+        assert "The lights could not follow the last change" in shown
+    add("SUN", "Sun 3")
+    follow.follow()
+    assert slots(addon) == ["Sun", "Sun 2", "Sun 3"]
+    assert follow.trouble() == ""
+    shown = " ".join(drawn(bpy.types.MATERIAL_PT_metallic_paint).texts)
+    assert "could not follow" not in shown
 
 
 def test_a_direct_fit_is_not_answered_by_another(addon: Addon, fits: list[str]) -> None:

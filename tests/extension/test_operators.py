@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -191,10 +192,10 @@ def uncompiled(
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied", "/tmp/a")
 
-    if request.param == "no folder":
-        monkeypatch.setattr(addon("paint.shader").tempfile, "TemporaryFile", refuse)
-        return "The paint's shader cannot be compiled: .*Permission denied"
     monkeypatch.setattr(addon("paint.shader"), "source", lambda: "shader broken(")
+    if request.param == "no folder":
+        monkeypatch.setattr(tempfile, "TemporaryFile", refuse)
+        return "The paint's shader cannot be compiled: .*Permission denied"
     if request.param == "compiler":
         return r"metallic_paint.osl[.\d]* does not compile as OSL"
     monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)

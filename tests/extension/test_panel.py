@@ -243,8 +243,9 @@ def test_asset_library_is_known_behind_a_symbolic_link(
     addon: Addon, installed: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     (tmp_path / "link").symlink_to(installed)
-    source = (installed / "library.py").read_text()
-    here = {"__file__": str(tmp_path / "link" / "library.py"), "__package__": "p", "__name__": "p"}
+    source = (installed / "interface" / "library.py").read_text()
+    file = tmp_path / "link" / "interface" / "library.py"
+    here = {"__file__": str(file), "__package__": "p", "__name__": "p"}
     [line] = [line for line in source.splitlines() if line.startswith("FOLDER = ")]
     exec(line, here | {"Path": Path}, found := {})
     monkeypatch.setattr(addon("interface.library"), "FOLDER", found["FOLDER"])

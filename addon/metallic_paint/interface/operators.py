@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from ..paint import Paint, material, migration, presets
+from ..paint import Paint, material, migration, presets, shader
 from ..scene import lights, needs
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
 
 
 # What the shader's compilation may end in: the compiler's word, or no place for its files.
-UNCOMPILED = (RuntimeError, OSError)
+UNCOMPILED = (shader.CompileError, OSError)
 
 
 def has_cycles(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..paint import PARAMETERS, Parameter, material, migration
-from ..scene import lights, needs
+from ..scene import follow, lights, needs
 from . import operators
 
 if TYPE_CHECKING:
@@ -65,6 +65,8 @@ class _PaintPanel:
             box.operator(operators.MATERIAL_OT_metallic_paint_update.bl_idname)
         if lights.groups():
             layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
+            if trouble := follow.trouble():
+                draw_lines(layout, trouble, "ERROR")
             if said := needs.said():
                 draw_lines(layout.box(), f"All paints of this file share its lights.\n{said}")
         elif linked := lights.linked_files():

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 _KEY = "metallic_paint_verified"  # custom property of the window manager: not in the file
 
-# What a check may end in: also a full disk, and files of the other process that are cut off.
-_ENDS = (VerifyError, OSError, RuntimeError, ValueError, EOFError)
+_ENDS = (VerifyError, OSError)  # what a check may end in: also a full disk
 
 _running: list[Job] = []  # at most one: what the panel shows while the operator runs
 
@@ -67,17 +66,20 @@ pixel against the core. The pictures become images of this file"""
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         [job] = _running
+        ended = True  # also by an error of ours, which Blender shows with its traceback
         try:
-            if not job.poll():
+            ended = job.poll()
+            if not ended:
                 context.window_manager.progress_update(job.progress)
                 _redraw(context)
                 return {"PASS_THROUGH"}
             job.pictures()
         except _ENDS as error:
-            self.cancel(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.cancel(context)
+        finally:
+            if ended:
+                self.cancel(context)
         _show(self, context, job.found)
         return {"FINISHED"}
 

@@ -214,10 +214,14 @@ def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
     return node.type == "GROUP" and node.node_tree is not None and _MARK in node.node_tree
 
 
+def has_paint(material: bpy.types.Material) -> bool:
+    """Whether a paint node stands at the top level of its tree."""
+    return any(map(is_paint, material.node_tree.nodes if material.node_tree else ()))
+
+
 def is_within_group(material: bpy.types.Material) -> bool:
     """Whether the only paint of the material stands in another node group."""
-    nodes = material.node_tree.nodes if material.node_tree else ()
-    return not any(map(is_paint, nodes)) and lights.holds_slots(material.node_tree)
+    return not has_paint(material) and lights.holds_slots(material.node_tree)
 
 
 def linked_from(node: bpy.types.ShaderNodeGroup) -> str:

@@ -53,7 +53,7 @@ def has_outdated() -> bool:
 def update() -> Report:
     """Gives every paint node of the file that can be edited today's group.
 
-    Raises RuntimeError, with nothing changed, where the shader does not compile.
+    Raises CompileError, with nothing changed, where the shader does not compile.
     """
     report = Report()
     nodes = list(_outdated_nodes())

@@ -27,6 +27,10 @@ _COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
 _ORIGIN = re.compile(r'^#.*\n|[ \t]*%filename\{"[^"\n]*"\}|[ \t]*%line\{\d+\}', re.MULTILINE)
 
 
+class CompileError(RuntimeError):
+    """A text that is no shader, with what the compiler said."""
+
+
 def source(diagnostics: bool = False) -> str:
     """The OSL source with its includes inside: a script node in a .blend finds no files.
 
@@ -67,30 +71,33 @@ def _flatten(path: Path, seen: set[Path], within: tuple[Path, ...]) -> str:
 def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None:
     """Compiles the text into the node, bytecode inside, without its origin.
 
-    Blender itself does not tell a failure: the node would render black. Raises RuntimeError with
+    Blender itself does not tell a failure: the node would render black. Raises CompileError with
     what the compiler said.
     """
     node.mode = "INTERNAL"
     with _cycles_scene():
         node.script = text
         if not node.bytecode or not node.outputs:
-            said = _compilers_words(node, text) or "the compiler said nothing"
-            raise RuntimeError(f"{text.name} does not compile as OSL: {said}")
+            said = _compilers_words(text.as_string()) or "the compiler said nothing"
+            raise CompileError(f"{text.name} does not compile as OSL: {said}")
     node.bytecode = _ORIGIN.sub("", node.bytecode)
     node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 
-def _compilers_words(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> str:
+def _compilers_words(source: str) -> str:
     """Of a text that does not compile: what oslc says when it is asked once more.
 
     oslc is a library within Blender, which writes to the process's standard output and error and
     nowhere else. So for this one call, both lead into a file. Where the text compiles, as it does
     unless Blender is broken, nothing is redirected.
     """
-    with tempfile.TemporaryFile() as said:
-        node.script = None
+    import _cycles
+
+    with tempfile.TemporaryFile() as said, tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / FILE
+        file.write_text(source, encoding="utf-8")
         with _output_into(said):
-            node.script = text
+            _cycles.osl_compile(str(file), f"{file}.oso")
         said.seek(0)
         return said.read().decode(errors="replace").strip()
 

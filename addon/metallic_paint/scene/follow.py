@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights that follow by themselves: the paints are fitted to the scene again when it changed.
+"""Fits the paints to the scene again whenever the scene changed (needs.py).
 
-Handlers, which a render calls from a thread of its own, only say that something changed. A timer
-fits once the scene has been at rest for a moment. Without a window there are no timers, and the
-handler fits at once, before a render too. While Cycles renders, nothing happens: drivers do what an
-animation needs.
+Blender calls handlers when something changes, in a render from another thread. They only note the
+change. A timer fits the paints once the scene has been at rest for a moment. Without a window there
+are no timers, so the handler fits at once, and before a render too. While Cycles renders, nothing
+is fitted: the slots' drivers follow an animation by themselves.
 
-Undo frees lamps. What points at them in a group that both of its steps share would outlive them, so
-the slots let go before. (A step of undo for each fit would end redo.)
+Undo frees lamps. The slots' drivers would go on pointing at a freed lamp, because both steps of
+undo share their group. So the slots let go of all lamps before an undo. (A step of undo of its own
+for each fit would end redo.)
 """
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
+import traceback
 from dataclasses import dataclass
 
 import bpy
@@ -29,16 +32,38 @@ class _State:
     rendering: bool = False
     changed: bool = False  # since the last look
     changed_at: float = 0.0  # s
+    trouble: str = ""  # why the last fit failed; empty after one that did not
 
 
 _state = _State()
 
 
 def follow() -> float:
-    """The timer's function; returns after how many seconds to look again."""
+    """The timer's function; returns after how many seconds to look again.
+
+    Blender ends a timer for good whose function raises. So an error is told once, with its
+    traceback in the console, and the next change is followed again.
+    """
     if _state.changed and time.monotonic() - _state.changed_at >= REST_SECONDS:
-        _fit_if_changed()
+        try:
+            _fit_if_changed()
+        except Exception as error:
+            _tell(error)
     return REST_SECONDS
+
+
+def trouble() -> str:
+    """Why the paints do not have the scene's lights, in a sentence; empty where they do."""
+    return _state.trouble
+
+
+def _tell(error: Exception) -> None:
+    """For the panel, and for the console unless it has been told the same already."""
+    said = f"The lights could not follow the last change ({error}): press Update Lights."
+    if said != _state.trouble:
+        traceback.print_exception(error)
+        print(f"Metallic Paint: {said}", file=sys.stderr)
+    _state.trouble = said
 
 
 def _fit_if_changed() -> None:
@@ -52,8 +77,10 @@ def _fit_if_changed() -> None:
 
 def _fit(scene: bpy.types.Scene) -> None:
     # The add-on of Cycles may be off.
-    if hasattr(scene, "cycles") and not needs.is_fitting() and not needs.is_fitted(scene):
-        needs.fit(scene)
+    if hasattr(scene, "cycles") and not needs.is_fitting():
+        if not needs.is_fitted(scene):
+            needs.fit(scene)
+        _state.trouble = ""
 
 
 def _is_rendering() -> bool:
@@ -72,7 +99,7 @@ def _changed(*_: object) -> None:
 
 @persistent
 def _loaded(*_: object) -> None:
-    _state.rendering = False
+    _state.rendering, _state.trouble = False, ""
     _changed()
 
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fits the paints to the scene: what it does not require is not computed.
+"""Fits the paints to the scene: fills the light slots, and leaves out what nothing lights.
 
-A sample of the flakes' mean under other light than the slots' costs a shader and a ray. It is left
-out only where there surely is no such light: what is not known counts as light.
+The flakes sparkle under the lights in the slots. Under all other light (the world, area lights,
+neighbours) they show their mean, for which every sample draws mirrored directions. That is left out
+where there surely is no other light. Whatever is not known counts as light.
 """
 
 from __future__ import annotations
@@ -26,14 +27,6 @@ _DARK_NODES = {
     "BSDF_TRANSLUCENT", "BSDF_TRANSPARENT", "HOLDOUT", "MIX_SHADER", "SUBSURFACE_SCATTERING",
 }  # fmt: skip
 
-_MOST_TRIANGLES = 10_000  # of a mesh that is tested for convexity, which takes a second then
-_TRIANGLES_AT_ONCE = 500
-_MOST_FORMS = 8
-_below: dict[tuple[str, int], bool] = {}
-# What a face sees within this angle above its horizon is less than its square of all that it sees.
-_HORIZON = 1e-3
-
-
 # Custom properties of the group of light slots, which undo, files and copies keep with the slots.
 _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 _SCENE = "metallic_paint_scene"
@@ -48,7 +41,6 @@ class Needs:
     lights: lights.Report
     other_light: tuple[str, ...]  # what lights the flakes beside the slots, in words; () for none
     own: bool = True  # False: the file has no paint of its own, so nothing was fitted
-    bounces: bool = True  # whether light goes on from what it met
 
     def __str__(self) -> str:
         if not self.own:
@@ -71,10 +63,6 @@ class Needs:
             *most, last = self.other_light
             shown = f"{', '.join(most)} and {last}" if most else last
             lines.append(f"The flakes also show {shown}.")
-        elif self.bounces:
-            lines.append(
-                "The flakes show no world, other lights or neighbours: the scene has none."
-            )
         else:
             lines.append(
                 "The flakes show no world or other lights: the scene has none; and no neighbours: "
@@ -86,9 +74,8 @@ class Needs:
 def fit(scene: bpy.types.Scene) -> Needs:
     """Fills the light slots and leaves out what the scene does not require.
 
-    Call it again when lights, objects, or materials that emit come, go or change type, when a mesh,
-    the size of a lamp, the world or the number of bounces changes, and when a lamp moves into a
-    painted object.
+    Call it again when lights, objects, or materials that emit come, go or change type, and when the
+    size of a lamp, the world or the number of bounces changes.
     """
     if not lights.groups():
         return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
@@ -96,7 +83,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
     try:
         report = lights.fill(scene)
         other_light = tuple(_other_light(scene, report))
-        needs = Needs(report, other_light, bounces=_bounces(scene) > 0)
+        needs = Needs(report, other_light)
         lights.show_other_light(bool(needs.other_light))
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -143,7 +130,7 @@ def said() -> str:
 def _fingerprint(scene: bpy.types.Scene) -> str:
     """Of what fit looks at, by names, which outlive the session.
 
-    Places of lamps and paints, and the form of a mesh, count only where fit asks for them.
+    Places of lamps and paints count only where fit asks for them.
     """
     layers = lights.used_layers(scene)
     things = _things(layers)
@@ -173,12 +160,10 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         (_material_may_emit(each), _has_volume(each), lights.holds_slots(each.node_tree))
         for each in materials
     ]
-    if len(lamps) > lights.SLOTS or len(shapes) == 1:
+    if len(lamps) > lights.SLOTS:  # the brightest have the slots
         placed = (*lamps, *filter(lights.is_painted, shapes))
         seen += [thing.matrix_world for thing in placed]
         seen += [_brightness(lamp) for lamp in lamps]
-    if len(shapes) == 1:
-        seen.append(_shape(shapes[0]))
     return hashlib.sha256(repr(seen).encode()).hexdigest()
 
 
@@ -194,27 +179,7 @@ def _instanced_lamps(thing: bpy.types.Object) -> list[str] | str:
 def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
     data = lamp.data
     size = getattr(data, "shadow_soft_size", 0), getattr(data, "spot_size", 0)
-    shadow = data.use_shadow, lamp.light_linking.blocker_collection
-    return lamp.hide_render, data.energy, *data.color, data.exposure, *size, *shadow
-
-
-def _shape(thing: bpy.types.Object) -> tuple[object, ...]:
-    """What _sees_nothing_of_itself looks at."""
-    pure = [slot.material and material.is_pure(slot.material) for slot in thing.material_slots]
-    seen = thing.name_full, pure, len(thing.modifiers), thing.visible_shadow
-    if thing.type != "MESH" or len(thing.data.polygons) > _MOST_TRIANGLES:
-        return seen
-    corners = np.empty(len(thing.data.loops), dtype=np.int32)
-    thing.data.loops.foreach_get("vertex_index", corners)
-    form = hashlib.sha256(_vertices(thing.data).tobytes() + corners.tobytes()).hexdigest()
-    return *seen, thing.data.shape_keys is None, form
-
-
-def _vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(n, 3) float32"""
-    places = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", places)
-    return places.reshape(-1, 3)
+    return lamp.hide_render, data.energy, *data.color, data.exposure, *size
 
 
 def _things(layers: list[bpy.types.ViewLayer]) -> list[bpy.types.Object]:
@@ -253,14 +218,8 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
         yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):
         yield "volumes"
-    bounces = _bounces(scene)
-    overridden = any(layer.material_override for layer in layers)
-    if bounces > 0 and (len(shapes) > 1 or overridden):
-        yield "their neighbours"
-    elif bounces > 0:
-        sparkling = [lamp for lamp in lamps if lamp in report.slots]
-        if not all(_sees_nothing_of_itself(shape, sparkling) for shape in shapes):
-            yield "the paint itself"
+    if _bounces(scene) > 0 and shapes:
+        yield "the paint itself" if len(shapes) == 1 else "their neighbours"
 
 
 # --- the world -------------------------------------------------------------------------------
@@ -347,99 +306,3 @@ def _has_volume(surface: bpy.types.Material) -> bool:
     nodes = surface.node_tree.nodes if surface.node_tree else ()
     outputs = [node for node in nodes if node.type == "OUTPUT_MATERIAL"]
     return any(node.inputs["Volume"].is_linked for node in outputs)
-
-
-# --- what a painted object sees of itself ----------------------------------------------------
-
-
-def _sees_nothing_of_itself(thing: bpy.types.Object, lamps: list[bpy.types.Object]) -> bool:
-    """Of an opaque object whose rendered mesh is known: flat, or convex and dark inside."""
-    paints = _materials(thing)
-    opaque = len(paints) == len(thing.material_slots) > 0 and all(map(material.is_pure, paints))
-    known = thing.type == "MESH" and not thing.modifiers and not thing.data.shape_keys
-    if not opaque or not known or _is_instancer(thing):
-        return False
-    surface = _surface(thing)
-    if surface is None or not surface.is_below(1):
-        return False
-    if surface.is_closed:
-        return thing.visible_shadow and all(_stays_outside(lamp, surface) for lamp in lamps)
-    return surface.is_below(-1)
-
-
-@dataclass(frozen=True)
-class _Surface:
-    """The triangles of an object in the world. If it is closed, their normals point outwards."""
-
-    corners: np.ndarray  # (n, 3 corners, xyz)
-    normals: np.ndarray  # (n, xyz)
-    vertices: np.ndarray  # (m, xyz)
-    is_closed: bool
-    form: str  # a digest that moving the object leaves as it is
-
-    def is_below(self, sign: int) -> bool:
-        """Whether no vertex stands above the horizon of a triangle, on its front or back (-1).
-
-        Remembered for the last forms asked for: who moves an object would wait for it again.
-        """
-        key = self.form, sign
-        if key not in _below:
-            while len(_below) >= _MOST_FORMS:
-                del _below[next(iter(_below))]
-            _below[key] = self._is_below(sign)
-        return _below[key]
-
-    def _is_below(self, sign: int) -> bool:
-        rounding = 1e-7 * np.ptp(self.vertices, axis=0).max(initial=0)  # of single precision
-        for i in range(0, len(self.normals), _TRIANGLES_AT_ONCE):
-            some = slice(i, i + _TRIANGLES_AT_ONCE)
-            heights = sign * self.heights(self.vertices, some)
-            vertex, triangle = np.nonzero(heights > rounding)
-            apart = self.vertices[vertex, None] - self.corners[some][triangle]
-            nearest = np.linalg.norm(apart, axis=-1).min(axis=-1, initial=np.inf)
-            if (heights[vertex, triangle] > _HORIZON * nearest).any():
-                return False
-        return True
-
-    def heights(self, places: np.ndarray, some: slice = slice(None)) -> np.ndarray:
-        """(places, triangles): above the triangles' planes."""
-        normals, corners = self.normals[some], self.corners[some]
-        return places @ normals.T - (corners[:, 0] * normals).sum(axis=-1)
-
-
-def _surface(thing: bpy.types.Object) -> _Surface | None:
-    mesh = thing.data
-    mesh.calc_loop_triangles()
-    n = len(mesh.loop_triangles)
-    if n > _MOST_TRIANGLES:
-        return None
-    indices: np.ndarray = np.empty(3 * n, dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", indices)
-    places = _vertices(mesh)
-    matrix = np.array(thing.matrix_world, dtype=np.float64)  # Blender 5.2 offers single precision
-    form = hashlib.sha256(places.tobytes() + indices.tobytes() + matrix[:3, :3].tobytes())
-    places = places @ matrix[:3, :3].T + matrix[:3, 3]
-    indices = indices.reshape(-1, 3)
-
-    edges = np.sort(np.concatenate([indices[:, [i, (i + 1) % 3]] for i in range(3)]), axis=-1)
-    is_closed = bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
-    corners = places[indices]
-    a, b, c = np.moveaxis(corners - places.mean(axis=0), 1, 0)
-    volume = (np.cross(a, b) * c).sum()  # six times
-    normals = np.cross(b - a, c - a) * (-1 if volume < 0 else 1)
-    area = np.linalg.norm(normals, axis=-1)
-    seen = area > 0
-    normals = normals[seen] / area[seen, None]
-    vertices = places[np.unique(indices)]
-    return _Surface(corners[seen], normals, vertices, is_closed, form.hexdigest())
-
-
-def _stays_outside(lamp: bpy.types.Object, surface: _Surface) -> bool:
-    """Whether no light of the lamp is inside the convex surface."""
-    linking = lamp.light_linking
-    if not lamp.data.use_shadow or linking.blocker_collection:
-        return False
-    if lamp.data.type == "SUN":
-        return True
-    place = np.array(lamp.matrix_world.translation)
-    return surface.heights(place[None]).max(initial=-np.inf) > lamp.data.shadow_soft_size

@@ -103,14 +103,14 @@ def _inexact_paints(scene: bpy.types.Scene) -> Iterator[str]:
     things = {thing: None for layer in layers for thing in lights.rendered(layer)}
     slots = [slot.material for thing in things for slot in thing.material_slots]
     for painted in dict.fromkeys(slots):
+        if painted is None or not material.has_paint(painted):
+            continue
         try:
-            paint = material.paint_of(painted) if painted is not None else None
+            paint = material.paint_of(painted)
         except PaintError as error:
             yield f"{painted.name}: {error}"
             continue
-        except ValueError:  # no paint
-            continue
         for name, exact in _EXACT.items():
-            if paint is not None and getattr(paint, name) != exact:
+            if getattr(paint, name) != exact:
                 found = getattr(paint, name)
                 yield f"{painted.name} keeps its {name.replace('_', ' ')} {found}, not {exact}."

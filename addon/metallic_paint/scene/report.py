@@ -18,7 +18,7 @@ from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, material
 from . import lights, needs
 from .expected import Expected, expect
-from .sight import Camera, Effort, effort_for, look
+from .sight import Camera, Effort, SightError, effort_for, look
 
 INFO: Final = "INFO"
 WARNING: Final = "WARNING"
@@ -175,7 +175,7 @@ def _largest(scene: bpy.types.Scene, surfaces: list[_Surface], number: int) -> l
     """Those whose boxes are largest in the picture; without a camera, the first."""
     try:
         camera = Camera.of(scene)
-    except ValueError:
+    except SightError:
         return surfaces[:number]
 
     def area(surface: _Surface) -> float:
@@ -204,7 +204,7 @@ def _about(
         return lines, 0.0
     try:
         seen = look(scene, surface.layer, thing, surface.painted, unit, effort)
-    except ValueError as error:
+    except SightError as error:
         return [*lines, (INFO, f"{label}: {error}")], 0.0
     if seen is None:
         return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0

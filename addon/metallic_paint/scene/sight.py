@@ -27,6 +27,10 @@ _FEWEST_TESTS = 8  # rays through the scene for one object
 _THROUGH = 16  # surfaces that a ray may pass that no render shows
 
 
+class SightError(ValueError):
+    """Why nothing can be said of what the camera sees, in a sentence."""
+
+
 @dataclass(frozen=True)
 class Seen:
     """Where the camera sees a painted object: n rays that meet it, and the share of those cast."""
@@ -69,12 +73,12 @@ class Camera:
 
     @staticmethod
     def of(scene: bpy.types.Scene) -> Camera:
-        """Raises ValueError, in a sentence, for a camera that this cannot look through."""
+        """Raises SightError, in a sentence, for a camera that this cannot look through."""
         camera = scene.camera
         if camera is None or camera.type != "CAMERA":
-            raise ValueError("without a camera nothing can be said of its pixels.")
+            raise SightError("without a camera nothing can be said of its pixels.")
         if camera.data.type not in ("PERSP", "ORTHO"):
-            raise ValueError(f"nothing can be said of the pixels of a {camera.data.type} camera.")
+            raise SightError(f"nothing can be said of the pixels of a {camera.data.type} camera.")
         at, turned, _ = camera.matrix_world.decompose()
         frame = camera.data.view_frame(scene=scene)
         low, high = (Vector([end(axis) for axis in zip(*frame, strict=True)]) for end in (min, max))
@@ -134,7 +138,7 @@ def look(
 ) -> Seen | None:
     """Rays through the object's box in the picture; None if none meets the material there.
 
-    Raises ValueError, in a sentence, for a camera or an object that this cannot look through or at.
+    Raises SightError, in a sentence, for a camera or an object that this cannot look through or at.
     """
     layer.update()
     camera = Camera.of(scene)
@@ -164,7 +168,7 @@ def look(
     table = np.array(hits)
     table = table[_in_sight(scene, layer, thing, rays, table[:, 10:], effort.tests)]
     if not len(table) and effort.tests < len(rays):
-        raise ValueError("the camera sees nothing of it, or little.")
+        raise SightError("the camera sees nothing of it, or little.")
     if not len(table):
         return None
     share = len(table) / len(places) * (box[2] - box[0]) * (box[3] - box[1])
@@ -217,18 +221,18 @@ class _Polygons:
 
 @contextmanager
 def _polygons(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[_Polygons]:
-    """Raises ValueError, in a sentence, where Blender has none.
+    """Raises SightError, in a sentence, where Blender has none.
 
     It crashes where a ray is cast at an object that is not a mesh and has none evaluated.
     """
     evaluated = thing.evaluated_get(layer.depsgraph)
     if not thing.visible_get(view_layer=layer) or not evaluated.is_evaluated:
-        raise ValueError("it is hidden in the viewport, so nothing can be foretold of it.")
+        raise SightError("it is hidden in the viewport, so nothing can be foretold of it.")
     if isinstance(evaluated.data, bpy.types.Mesh):
         yield _Polygons(evaluated, evaluated.data, None)
         return
     if thing.type not in ("CURVE", "SURFACE", "FONT", "META"):
-        raise ValueError("nothing can be foretold of hair and points.")
+        raise SightError("nothing can be foretold of hair and points.")
     mesh = evaluated.to_mesh()
     try:
         places = [vertex.co for vertex in mesh.vertices]

@@ -237,7 +237,7 @@ def _region(
     centre = frame / 2
     try:
         seen = sight.look(scene, layer, thing, painted, unit)
-    except ValueError:
+    except sight.SightError:
         seen = None
     if seen is not None:
         mean = core.evaluate(

@@ -82,7 +82,7 @@ class Job:
         self._log = (self.folder / "log").open("wb")
         try:
             blend = self.folder / "scene.blend"
-            bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+            _save_copy(blend)
             job = {
                 "modules": _modules(), "blend": str(blend), "folder": str(self.folder),
                 "scene": scene.name_full, "object": thing.name_full,
@@ -116,13 +116,21 @@ class Job:
             self.progress = line.get("progress", self.progress)
             self.what = line.get("what", self.what)
         if ended and self.found is None:
-            log = (self.folder / "log").read_text(encoding="utf-8", errors="replace").splitlines()
-            raise VerifyError(f"The other Blender ended: {' '.join(log[-3:]) or 'without a word'}")
+            log = (self.folder / "log").read_text(encoding="utf-8", errors="replace")
+            print(log, file=sys.stderr)
+            last = " ".join(log.splitlines()[-3:]) or "without a word"
+            raise VerifyError(f"The other Blender ended: {last} (The console has all it said.)")
         return ended
 
     def pictures(self) -> list[bpy.types.Image]:
-        """Its three pictures as images of this file, in place of those of an earlier check."""
-        arrays = np.load(self.folder / "pictures.npy")
+        """Its three pictures as images of this file, in place of those of an earlier check.
+
+        Raises VerifyError where their file is not whole, as on a full disk.
+        """
+        try:
+            arrays = np.load(self.folder / "pictures.npy")
+        except (OSError, ValueError, EOFError) as error:
+            raise VerifyError(f"The pictures of the check cannot be read: {error}.") from error
         return [
             _image(f"Metallic Paint {name}", array)
             for name, array in zip(PICTURES, arrays, strict=True)
@@ -149,6 +157,14 @@ def run(scene: bpy.types.Scene, thing: bpy.types.Object, size: int = SIZE) -> Fo
         return job.found
     finally:
         job.close()
+
+
+def _save_copy(file: Path) -> None:
+    """Raises VerifyError where Blender cannot write it."""
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True, compress=False)
+    except RuntimeError as error:  # all that an operator raises
+        raise VerifyError(f"The scene cannot be copied for the check: {error}") from error
 
 
 def _blender() -> list[str]:

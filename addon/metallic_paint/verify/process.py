@@ -32,31 +32,38 @@ def find(kind: str, name_full: str) -> bpy.types.ID:
 
 
 def main(job: dict, said: Path) -> None:
+    """What it cannot check it says; an error of ours ends it, with the traceback in its log."""
+    for name, file in job["modules"].items():
+        load(name, Path(file))
+    check = importlib.import_module("metallic_paint.verify.check")
     with said.open("a", encoding="utf-8") as lines:
 
         def say(**what: object) -> None:
             lines.write(json.dumps(what) + "\n")
             lines.flush()
 
+        bpy.ops.wm.open_mainfile(filepath=job["blend"], use_scripts=False)
         try:
-            for name, file in job["modules"].items():
-                load(name, Path(file))
-            check = importlib.import_module("metallic_paint.verify.check").check
-            bpy.ops.wm.open_mainfile(filepath=job["blend"], use_scripts=False)
-            found = check(
+            found = check.check(
                 find("scenes", job["scene"]), find("objects", job["object"]),
                 find("materials", job["material"]), job["size"], Path(job["folder"]),
                 lambda share, what: say(progress=share, what=what),
             )  # fmt: skip
+        except check.VerifyError as error:
+            say(error=str(error))
+        else:
             say(found=found)
-        except Exception as error:
-            traceback.print_exc()
-            say(error=str(error) or type(error).__name__)
 
 
 if __name__ == "__main__":
     path = Path(sys.argv[-1])
-    main(json.loads(path.read_text(encoding="utf-8")), path.with_name("said.jsonl"))
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(0)  # an ordinary exit can hang in bpy 4.5
+    code = 1
+    try:
+        main(json.loads(path.read_text(encoding="utf-8")), path.with_name("said.jsonl"))
+        code = 0
+    except Exception:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)  # an ordinary exit can hang in bpy 4.5
