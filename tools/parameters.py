@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 import textwrap
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,16 +41,16 @@ class Parameter:
     usual: str
     manual: str
     acts_on: str | list[str]
-    range: list[float] = ()
-    useful: list[float] = ()
+    range: Sequence[float] = ()
+    useful: Sequence[float] = ()
     unit: str = ""
     subtype: str = "NONE"
-    choices: list[str] = ()
+    choices: Sequence[str] = ()
     default_of_further: float | None = None
     as_roughness: dict[str, Any] | None = None
     input: str = ""
     enum: str = ""
-    former: list[dict[str, Any]] = ()
+    former: Sequence[dict[str, Any]] = ()
 
     @property
     def shader(self) -> str:
@@ -71,7 +71,7 @@ class Parameter:
         return self.choices.index(self.default) if self.choices else self.default
 
     @property
-    def ends(self) -> list[float]:
+    def ends(self) -> Sequence[float]:
         return [0, len(self.choices) - 1] if self.choices else self.range
 
     @property
@@ -101,9 +101,9 @@ def camel(name: str) -> str:
 
 def read(file: Path = ROOT / TABLE) -> Table:
     content = tomllib.loads(file.read_text(encoding="utf-8"))
-    rows = {key: [_row(name, row) for name, row in content.pop(key).items()]
-            for key in ("flakes", "paint")}  # fmt: skip
-    return Table(**content, **rows)
+    for key in ("flakes", "paint"):
+        content[key] = [_row(name, columns) for name, columns in content[key].items()]
+    return Table(**content)
 
 
 def _row(name: str, columns: dict[str, Any]) -> Parameter:

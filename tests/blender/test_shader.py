@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import bpy
 import numpy as np
 import pytest
@@ -56,6 +58,58 @@ def test_values_beyond_their_range_stay_sound(subtests: pytest.Subtests, paint: 
             hit = many.of(i).hit
             assert hit.any()
             assert (sound[hit] == 1).all()
+
+
+def test_no_number_is_the_default_and_what_lies_beyond_the_nearest_end(
+    subtests: pytest.Subtests,
+) -> None:
+    """In every input that takes numbers: pixel by pixel as with that value itself."""
+    cases = [
+        (each.label, at(value, each), wanted)
+        for each in NUMBERS
+        for value, wanted in (
+            (np.nan, DEFAULTS[each.label]),
+            (-1e30, at(each.minimum, each)),
+            (1e30, at(each.maximum, each)),
+        )
+    ]
+    paint = dataclasses.replace(
+        scenes.THREE, third=dataclasses.replace(scenes.THREE.third, orientation="gaussian"),
+        orange_peel=0.02, coat_roughness=0.3, texture_contrast=0.1,
+        composition="published",  # of which the sparkles compare with the coat's highlight
+    )  # fmt: skip
+    plain = sockets_of(paint)
+    pearls = plain | {"Coating": 9, "Coating 2": 9, "Coating 3": 9}  # which alone have a film
+    ggx = plain | {"Orientation": 2}
+    bases = {"Coating (nm)": pearls, "Coating (nm) 2": pearls, "Coating (nm) 3": pearls}
+    paints = [bases.get(label, plain) for label, *_ in cases]
+    cases += [("Tilt", 1e30, 1.0), ("Tilt", np.nan, DEFAULTS["Tilt"])]  # being a roughness
+    paints += [ggx, ggx]
+    many = ManyPaints(paints, scenes.SUN, size=10)
+    spheres = [item for item in many.probe.scene.objects if item.type == "MESH"]
+    for polygon in spheres[0].data.polygons:
+        polygon.use_smooth = False  # smooth normals may differ in a last bit from render to render
+
+    def pictures(values: list[float | tuple[float, ...]]) -> list[np.ndarray]:
+        for sphere, (label, *_), value in zip(spheres, cases, values, strict=True):
+            sphere[label] = value
+            sphere.update_tag()
+        shown = (verify.MEAN_RADIANCE, verify.DIFFUSE, verify.GLOSSY, verify.SPARKLES)
+        return [many.probe.image(each) for each in shown]
+
+    before = pictures([plain[label] for label, *_ in cases])
+    given = pictures([value for _, value, _ in cases])
+    wanted = pictures([value for *_, value in cases])
+    seen = set()
+    for i, (label, value, _) in enumerate(cases):
+        hit = many.of(i).hit
+        with subtests.test(label, value=value):
+            assert hit.any()
+            for one, other in zip(given, wanted, strict=True):
+                np.testing.assert_array_equal(one[hit], other[hit])
+        if any((one[hit] != other[hit]).any() for one, other in zip(before, given, strict=True)):
+            seen.add(label)
+    assert seen == {label for label, *_ in cases}
 
 
 @pytest.mark.parametrize("value", [-1e30, 1e30, np.nan])

@@ -52,18 +52,23 @@ def _checked(name: str, value: object, parameter: Parameter, default: _Value) ->
     if isinstance(default, tuple):
         if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_real, value)):
             raise _refusal(name, shown(value), f"three numbers {range_}")
-        return tuple(
-            _within(f"{name}.{letter}", float(channel), parameter, range_)
-            for letter, channel in zip("rgb", value, strict=True)
+        r, g, b = map(float, value)
+        return (
+            _within(f"{name}.r", r, parameter, range_),
+            _within(f"{name}.g", g, parameter, range_),
+            _within(f"{name}.b", b, parameter, range_),
         )
     if isinstance(default, int):
-        is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
-        if not is_whole or not parameter.minimum <= value <= parameter.maximum:
-            raise _refusal(name, shown(value), "a whole number from -2^31 to 2^31 - 1")
-        return int(value)
+        if _is_whole(value) and parameter.minimum <= value <= parameter.maximum:
+            return int(value)
+        raise _refusal(name, shown(value), "a whole number from -2^31 to 2^31 - 1")
     if not _is_real(value):
         raise _refusal(name, shown(value), f"a number {range_}")
     return _within(name, float(value), parameter, range_)
+
+
+def _is_whole(value: object) -> TypeGuard[int]:
+    return isinstance(value, numbers.Integral) and not isinstance(value, bool)
 
 
 def _is_real(value: object) -> TypeGuard[float]:
