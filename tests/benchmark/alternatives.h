@@ -107,7 +107,8 @@ Rgb<T> sum_of_drawn(const ExpectedSparkles<T>& expected, T area_spread, HashWord
                     int first, int count) {
   Rgb<T> sum{};
   for (int i = 0; i < count; ++i) {
-    sum = sum + draw_sparkle(expected, area_spread, draw_words(key, x, y, first + i));
+    const HashWords words = draw_words(key, x, y, first + i);
+    sum = sum + draw_sparkle(expected, area_spread, words, uniform_23<T>(words.z));
   }
   return sum;
 }
@@ -122,7 +123,7 @@ struct EachDrawn {
   }
 };
 
-// draw_sparkles with another number of drawn sparkles.
+// The first sparkles drawn one by one, more of them as one sum, however much it fluctuates.
 template <int drawn>
 struct DrawnThenSkewed {
   template <class T>
@@ -131,8 +132,7 @@ struct DrawnThenSkewed {
     if (count <= T(drawn)) {
       return sum_of_drawn(expected, area_spread, key, x, y, 1, static_cast<int>(count));
     }
-    const T w = normal_quantile(uniform_48<T>(words.z, words.w));
-    return map(expected.slant, [&](T depth) { return sum_of_many(expected, depth, count, w); });
+    return sum_of_many(expected, count, T(0), words, draw_words(key, x, y, kColourDraw));
   }
 };
 
@@ -201,7 +201,13 @@ struct MeanOnly {
 
 // What the core draws, and the exact draw.
 using CoreCount = InversionThen<Form::cornish_fisher, kPoissonClosedForm>;
-using CoreSum = DrawnThenSkewed<kDrawnSparkles>;
+struct CoreSum {
+  template <class T>
+  Rgb<T> operator()(const ExpectedSparkles<T>& expected, T area_spread, HashWords key, int x, int y,
+                    HashWords words, T count) const {
+    return sum_of_sparkles(expected, area_spread, key, x, y, words, count);
+  }
+};
 using Exact = Alternative<Inversion, EachDrawn>;
 
 }  // namespace trade

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The drawn sum of sparkles against compound Poisson and binomial sums that this file draws itself,
-// flake by flake with std's distributions, and against moments integrated numerically. Level 1e-3
-// for each test as a whole (Sidak's correction within), fixed seeds.
+// flake by flake with std's distributions, and against moments integrated numerically. Level 1e-6
+// for each test as a whole (Sidak's correction within), another seed in each run.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <ostream>
@@ -18,9 +19,11 @@ namespace {
 
 using namespace metallic_paint;
 using core_tests::chi_square_z;
-using core_tests::kLevel;
+using core_tests::kFreshLevel;
 using core_tests::Moments;
+using core_tests::run_seed;
 using core_tests::sidak_threshold;
+using core_tests::Variances;
 using core_tests::Worst;
 using Real = long double;
 
@@ -42,6 +45,10 @@ struct Law {
     const Real m = moment(1);
     return mean_count * (moment(2) - (slots > 0 ? mean_count * m * m / slots : 0));
   }
+  double fourth() const {
+    const auto m = [&](int power) { return static_cast<double>(moment(power)); };
+    return core_tests::fourth_moment_of_sum(mean_count, slots, m(1), m(2), m(3), m(4));
+  }
 };
 
 std::ostream& operator<<(std::ostream& out, const Law& law) {
@@ -49,8 +56,9 @@ std::ostream& operator<<(std::ostream& out, const Law& law) {
              << law.depth << ", slots " << law.slots << ", fill " << law.fill << ']';
 }
 
+// The sums of a law's sparkles in three colours of these depths.
 template <class T>
-std::vector<double> drawn(const Law& law, int n, int stream) {
+std::vector<Rgb<T>> drawn_colours(const Law& law, std::array<double, 3> depth, int n, int stream) {
   ExpectedSparkles<T> expected;
   expected.mean_count = static_cast<T>(law.mean_count);
   expected.slots = law.slots;
@@ -58,22 +66,29 @@ std::vector<double> drawn(const Law& law, int n, int stream) {
   expected.area = {static_cast<T>(independent::area_moment(law.area_spread, 1, law.fill)),
                    static_cast<T>(independent::area_moment(law.area_spread, 2, law.fill)),
                    static_cast<T>(independent::area_moment(law.area_spread, 3, law.fill))};
-  const T x = static_cast<T>(law.depth);
-  expected.slant = {x, x, x};
+  expected.slant = {static_cast<T>(depth[0]), static_cast<T>(depth[1]), static_cast<T>(depth[2])};
   expected.mirror = {1, 1, 1};
   expected.ceiling = static_cast<T>(law.ceiling());
-  const HashWords key = stream_key(stream, 0, 1, 0);
+  const HashWords key = stream_key(stream, 0, 1, static_cast<int>(run_seed()));
   const T spread = static_cast<T>(law.area_spread);
-  std::vector<double> sums;
+  std::vector<Rgb<T>> sums;
   for (int i = 0; i < n; ++i) {
-    const auto s = draw_sparkles(expected, spread, key, i % 1000 - 500, i / 1000);
-    sums.push_back(static_cast<double>(s.radiance.y));
+    sums.push_back(draw_sparkles(expected, spread, key, i % 1000 - 500, i / 1000).radiance);
+  }
+  return sums;
+}
+
+template <class T>
+std::vector<double> drawn(const Law& law, int n, int stream) {
+  std::vector<double> sums;
+  for (const Rgb<T>& sum : drawn_colours<T>(law, {law.depth, law.depth, law.depth}, n, stream)) {
+    sums.push_back(static_cast<double>(sum.y));
   }
   return sums;
 }
 
 std::vector<double> flake_by_flake(const Law& law, int n, int seed) {
-  std::mt19937_64 engine(static_cast<std::uint64_t>(seed));
+  std::mt19937_64 engine(run_seed() + static_cast<std::uint64_t>(seed));
   std::poisson_distribution<int> poisson(law.mean_count);
   std::binomial_distribution<int> binomial(std::max(law.slots, 1),
                                            law.slots > 0 ? law.mean_count / law.slots : 0);
@@ -94,17 +109,14 @@ std::vector<double> flake_by_flake(const Law& law, int n, int seed) {
   return sums;
 }
 
-// Of n sums' mean and variance from the law's, in standard errors.
-struct Deviation {
-  double mean, variance;
-};
+// n sums' mean in standard errors, their variance to the others.
 template <class T>
-Deviation deviation(const Law& law, int n, int stream) {
+double mean_deviation(const Law& law, int n, int stream, Variances& variances) {
   const auto variance = static_cast<double>(law.variance());
   Moments sums{static_cast<double>(law.mean())};
   for (double sum : drawn<T>(law, n, stream)) sums.add(sum);
-  return {(sums.mean() - sums.centre) / std::sqrt(variance / n),
-          (sums.variance() - variance) / sums.error_of_variance()};
+  variances.see(sums.variance(), variance, law.fourth(), n, law);
+  return (sums.mean() - sums.centre) / std::sqrt(variance / n);
 }
 
 // Chi-square of two samples of one law over cells of as many of the second's values: a cell for 0,
@@ -155,16 +167,28 @@ std::vector<Law> laws(std::initializer_list<double> counts) {
   return made;
 }
 
+// Layers so deep that few flakes near the surface make the sum: x against 2 <N>.
+std::vector<Law> deep_laws() {
+  return {{17, 0, 50},   {24, 0, 200}, {24, 1, 200},   {24, 0.3, 30}, {40, 100, 20},
+          {45, 0.5, 12}, {60, 1, 200}, {300, 0.3, 40}, {500, 1, 1e4}};
+}
+
 template <class T>
 void expect_like_flake_by_flake(const std::vector<Law>& all, int n) {
   // Below 15 degrees of freedom (equal, undimmed flakes) chi_square_z overstates the tail, by
   // less than a factor of 2.
-  const double threshold = sidak_threshold(kLevel, static_cast<double>(all.size()));
+  const double threshold = sidak_threshold(kFreshLevel, static_cast<double>(all.size()));
   Worst worst;
   int stream = 0;
   for (const Law& law : all) {
     ++stream;
-    const Likeness found = compare(drawn<T>(law, n, stream), flake_by_flake(law, n, 700 + stream));
+    // A float is black below e^-87, and so is what is below a millionth of the mean.
+    const auto seen = [&](std::vector<double> sums) {
+      for (double& sum : sums) sum = sum < 1e-6 * static_cast<double>(law.mean()) ? 0 : sum;
+      return sums;
+    };
+    const Likeness found =
+        compare(seen(drawn<T>(law, n, stream)), seen(flake_by_flake(law, n, 700 + stream)));
     ASSERT_GE(found.degrees, 1) << law;
     const double z = chi_square_z(found.chi_square, found.degrees);
     EXPECT_LT(std::fabs(z), threshold) << law << " degrees " << found.degrees;
@@ -185,6 +209,132 @@ TEST(Compound, FewSparklesAreDistributedAsFlakeByFlakeInFloat) {
 TEST(Compound, DozensOfSparklesAreDistributedAsFlakeByFlake) {
   // Beyond 16 sparkles the sum is one deviate with the law's mean, variance and skewness.
   expect_like_flake_by_flake<double>(laws({18, 30, 100, 200}), 20'000);
+}
+
+TEST(Compound, DeepLayersAreDistributedAsFlakeByFlake) {
+  // Also as often black.
+  expect_like_flake_by_flake<double>(deep_laws(), 20'000);
+  expect_like_flake_by_flake<float>(deep_laws(), 20'000);
+}
+
+// Three colours of one sum: depths that differ little and much, and two that are the same.
+struct Colours {
+  double mean_count, area_spread;
+  std::array<double, 3> depth;
+
+  Law law(std::size_t c) const { return {mean_count, area_spread, depth[c]}; }
+  // <N> E[Y_a Y_b].
+  double covariance(std::size_t a, std::size_t b) const {
+    const Law both{mean_count, area_spread, (depth[a] + depth[b]) / 2};
+    return static_cast<double>(both.mean_count * both.moment(2));
+  }
+};
+std::ostream& operator<<(std::ostream& out, const Colours& c) {
+  return out << "[<N> " << c.mean_count << ", area spread " << c.area_spread << ", depths "
+             << c.depth[0] << ' ' << c.depth[1] << ' ' << c.depth[2] << ']';
+}
+
+TEST(Compound, ColoursHaveTheirCovariance) {
+  constexpr std::size_t n = 100'000;
+  Variances variances(6);
+  int stream = 300;
+  for (double count : {2.0, 18.0, 25.0, 60.0, 500.0, 1e4}) {
+    for (double spread : {0.0, 0.3, 1.0}) {
+      for (const auto& depth : {std::array{0.0, 4.0, 8.0}, std::array{2.0, 3.0, 5.0},
+                                std::array{0.0, 20.0, 200.0}, std::array{5.0, 1.0, 5.0}}) {
+        const Colours colours{count, spread, depth};
+        std::array<Moments, 3> sums;
+        std::array<std::array<double, 3>, 3> square{};
+        for (std::size_t c = 0; c < 3; ++c) {
+          sums[c].centre = static_cast<double>(colours.law(c).mean());
+        }
+        std::array<std::array<double, 3>, 3> products{};
+        for (const Rgb<float>& sum : drawn_colours<float>(colours.law(0), depth, n, ++stream)) {
+          const std::array<double, 3> d{sum.x - sums[0].centre, sum.y - sums[1].centre,
+                                        sum.z - sums[2].centre};
+          for (std::size_t a = 0; a < 3; ++a) {
+            sums[a].add(d[a] + sums[a].centre);
+            for (std::size_t b = 0; b < a; ++b) {
+              products[a][b] += d[a] * d[b];
+              square[a][b] += d[a] * d[b] * d[a] * d[b];
+            }
+          }
+        }
+        for (std::size_t a = 0; a < 3; ++a) {
+          const Law law = colours.law(a);
+          variances.see(sums[a].variance(), static_cast<double>(law.variance()), law.fourth(), n,
+                        colours);
+          for (std::size_t b = 0; b < a; ++b) {
+            const double found = products[a][b] / n, exact = colours.covariance(a, b);
+            variances.see((found - exact) / std::sqrt((square[a][b] / n - exact * exact) / n),
+                          colours);
+          }
+        }
+      }
+    }
+  }
+  variances.expect_chance();
+}
+
+TEST(Compound, ColoursOfOneDepthAreOneColour) {
+  int stream = 400;
+  for (double count : {20.0, 60.0, 1e4}) {
+    for (double depth : {0.0, 3.0, 50.0}) {
+      const Law law{count, 0.3, depth};
+      for (const Rgb<float>& sum :
+           drawn_colours<float>(law, {depth, depth, depth}, 2'000, ++stream)) {
+        ASSERT_TRUE(sum.x == sum.y && sum.y == sum.z) << law;
+      }
+      for (const Rgb<float>& sum : drawn_colours<float>(law, {depth, 1, depth}, 2'000, ++stream)) {
+        ASSERT_EQ(sum.x, sum.z) << law;
+      }
+    }
+  }
+}
+
+TEST(Compound, TheLawOfASumLeavesNothingBelowZero) {
+  // What the clamp at 0 takes where the sum is drawn as one, by integration over the normal
+  // deviate: at its worst for the least count that is.
+  Worst mean_error, variance_error, skewness_error, black;
+  for (double spread : {0.0, 0.1, 0.3, 0.5, 1.0, 2.0, 5.0, 100.0}) {
+    for (double depth = 0; depth < 2e4; depth = depth * 1.2 + 0.1) {
+      ExpectedSparkles<double> expected;
+      expected.area = area_moments(spread);
+      expected.slant = {depth, depth, depth};
+      double count = kDrawnSparkles + 1;
+      while (drawn_one_by_one(expected, count) > 0) count = std::floor(count * 1.05) + 1;
+      const double m = expected.area.mean;
+      const SumLaw<double> law =
+          sum_law(expected.area.square / (m * m), expected.area.cube / (m * m * m), depth, count);
+      if (!(law.spread > 0)) continue;
+      double first = 0, second = 0, third = 0, dark = 0;
+      constexpr int kSteps = 2'000;
+      for (int i = -kSteps; i <= kSteps; ++i) {
+        const double w = 9.0 * i / kSteps;
+        const double weight = std::exp(-w * w / 2) / std::sqrt(2 * std::numbers::pi) * 9 / kSteps;
+        const double sum = law.mean + law.spread * (w + law.c * (w * w - 1)) / law.root;
+        const double d = std::max(sum, 0.0) - law.mean;
+        first += weight * d;
+        second += weight * d * d;
+        third += weight * d * d * d;
+        if (sum <= 0) dark += weight;
+      }
+      const Law exact{count, spread, depth};
+      // Of `count` sparkles, no more and no fewer.
+      const Real m1 = exact.moment(1), m2 = exact.moment(2), m3 = exact.moment(3);
+      const Real variance = (m2 - m1 * m1) / (m1 * m1 * count) * law.mean * law.mean;
+      const Real skewness =
+          (m3 - 3 * m2 * m1 + 2 * m1 * m1 * m1) / std::pow(m2 - m1 * m1, 1.5L) / std::sqrt(count);
+      mean_error.see(std::fabs(first) / law.mean, exact);
+      variance_error.see(std::fabs(second / variance - 1), exact);
+      skewness_error.see(std::fabs(third / std::pow(second, 1.5) - skewness), exact);
+      black.see(dark, exact);
+    }
+  }
+  mean_error.expect_at_most(1e-6, "mean");
+  variance_error.expect_at_most(2e-5, "variance");
+  skewness_error.expect_at_most(5e-3, "skewness");
+  black.expect_at_most(3e-5, "black");
 }
 
 std::vector<Law> small_pixels() {
@@ -222,28 +372,32 @@ TEST(Compound, PixelOfOneFlakeKeepsItsMeanAndVariance) {
       for (double share : {0.01, 0.5, 0.97}) all.push_back({share, spread, 1, 1, fill});
     }
   }
-  const double threshold = sidak_threshold(kLevel, 2 * static_cast<double>(all.size()));
+  const double threshold = sidak_threshold(kFreshLevel, static_cast<double>(all.size()));
+  Variances variances;
   int stream = 600;
   for (const Law& law : all) {
-    const Deviation z = deviation<double>(law, n, ++stream);
-    EXPECT_LT(std::fabs(z.mean), threshold) << "mean of " << law;
-    EXPECT_LT(std::fabs(z.variance), threshold) << "variance of " << law;
+    const double z = mean_deviation<double>(law, n, ++stream, variances);
+    EXPECT_LT(std::fabs(z), threshold) << "mean of " << law;
   }
+  variances.expect_chance();
 }
 
 template <class T>
 void expect_mean_and_variance() {
-  const auto all = laws({0.01, 0.5, 3, 20, 200, 1e4, 3e4});
-  const double threshold = sidak_threshold(kLevel, 2 * static_cast<double>(all.size()));
+  auto all = laws({0.01, 0.5, 3, 20, 200, 1e4, 3e4});
+  for (const Law& law : deep_laws()) all.push_back(law);
+  const double threshold = sidak_threshold(kFreshLevel, static_cast<double>(all.size()));
+  Variances variances;
   Worst worst;
   int stream = 100;
   for (const Law& law : all) {
-    const Deviation z = deviation<T>(law, law.mean_count < 1 ? 200'000 : 20'000, ++stream);
-    EXPECT_LT(std::fabs(z.mean), threshold) << "mean of " << law;
-    EXPECT_LT(std::fabs(z.variance), threshold) << "variance of " << law;
-    worst.see(std::max(std::fabs(z.mean), std::fabs(z.variance)), "at", law);
+    const int n = law.mean_count < 1 ? 200'000 : 20'000;
+    const double z = mean_deviation<T>(law, n, ++stream, variances);
+    EXPECT_LT(std::fabs(z), threshold) << "mean of " << law;
+    worst.see(std::fabs(z), "at", law);
   }
-  worst.expect_at_most(threshold, "largest_z");
+  worst.expect_at_most(threshold, "largest_z_of_a_mean");
+  variances.expect_chance();
 }
 
 TEST(Compound, AnyCountHasTheMeanAndVarianceOfTheLaw) { expect_mean_and_variance<double>(); }
@@ -254,7 +408,7 @@ TEST(Compound, SumsOfVeryManySparklesFollowTheLawsOwnExpansion) {
   // rest of order 1/<N>. 40 cells of equal normal probability.
   constexpr int kCells = 40, n = 40'000;
   const auto all = laws({1e4, 3e4});
-  const double threshold = sidak_threshold(kLevel, static_cast<double>(all.size()));
+  const double threshold = sidak_threshold(kFreshLevel, static_cast<double>(all.size()));
   int stream = 200;
   for (const Law& law : all) {
     const double mean = static_cast<double>(law.mean());
@@ -311,6 +465,8 @@ double equal_flakes(const Law& law) {
 TEST(Compound, FarAwayTheFluctuationFadesIntoTheMean) {
   // Full up to 32768 equal flakes, none from 65536 on, linear in between; the mean stays.
   const int n = 20'000;
+  Variances variances;
+  const double threshold = sidak_threshold(kFreshLevel, 36);
   int stream = 900;
   for (double spread : {0.0, 0.5, 2.0}) {
     for (double depth : {0.0, 1.0, 8.0}) {
@@ -327,12 +483,13 @@ TEST(Compound, FarAwayTheFluctuationFadesIntoTheMean) {
           EXPECT_LE(sums.variance(), 1e-20 * mean * mean) << law;
           continue;
         }
-        EXPECT_LT(std::fabs(sums.mean() - mean), 5 * deviation / std::sqrt(n)) << law;
-        // Five standard errors, sqrt(2/n), of a normal variance.
-        EXPECT_NEAR(sums.variance() / (deviation * deviation), 1, 5 * std::sqrt(2.0 / n)) << law;
+        EXPECT_LT(std::fabs(sums.mean() - mean), threshold * deviation / std::sqrt(n)) << law;
+        variances.see(sums.variance(), deviation * deviation, law.fourth() * std::pow(left, 4), n,
+                      law);
       }
     }
   }
+  variances.expect_chance();
 }
 
 }  // namespace

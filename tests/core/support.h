@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <iostream>
 #include <limits>
 #include <random>
 #include <sstream>
@@ -92,6 +94,28 @@ inline constexpr int kFewer = 10;
 inline constexpr int kFewer = 1;
 #endif
 
+// Likewise, of a test whose seed is new in each run.
+inline constexpr double kFreshLevel = 1e-6;
+
+// Of all tests of variances and covariances in one run together, and how many comparisons they may
+// make: `Variances` counts them.
+inline constexpr double kVarianceLevel = 1e-4;
+inline constexpr long kVarianceComparisons = 8000;
+
+// The seed of a run's random tests, a new one in each run. The environment variable
+// METALLIC_PAINT_TEST_SEED repeats a run.
+inline std::uint32_t run_seed() {
+  static const std::uint32_t seed = [] {
+    const char* given = std::getenv("METALLIC_PAINT_TEST_SEED");
+    const auto taken = given != nullptr
+                           ? static_cast<std::uint32_t>(std::strtoul(given, nullptr, 10))
+                           : std::random_device{}();
+    std::cout << "METALLIC_PAINT_TEST_SEED=" << taken << " repeats this run\n";
+    return taken;
+  }();
+  return seed;
+}
+
 // |z| that `tests` independent standard normal deviates all stay under with probability 1 - level
 // (Sidak's correction).
 inline double sidak_threshold(double level, double tests) {
@@ -137,6 +161,72 @@ inline double chi_square_z(const std::vector<double>& found, const std::vector<d
   return chi_square_z(sum, static_cast<double>(cells.size() - 1));
 }
 
+// Comparisons of variances found about a known mean with exact ones.
+class Variances {
+ public:
+  // So many comparisons in a row may be of the same draws (colours).
+  explicit Variances(double dependent = 1) : dependent_(dependent) {}
+
+  // z of one of them, from the mean of n squares. The mean's own variance is (fourth - exact^2)/n
+  // with the fourth central moment; leaning to large values, it is taken for a gamma deviate.
+  static double deviation(double found, double exact, double fourth, double n) {
+    const double relative = (fourth - exact * exact) / (exact * exact) / n;
+    if (!(relative > 1e-12)) return (found / exact - 1) * 1e6;  // squares that are all the same
+    return chi_square_z(found / exact * 2 / relative, 2 / relative);
+  }
+
+  template <class Named>
+  void see(double found, double exact, double fourth, double n, const Named& where) {
+    see(deviation(found, exact, fourth, n), where);
+  }
+  template <class Named>
+  void see(double z, const Named& where) {
+    EXPECT_LE(std::fabs(z), threshold()) << "variance: z " << z << " at " << where;
+    ++seen_;
+    sum_ += z;
+  }
+
+  // All of them together, which a common error of the variances does not pass.
+  double common_deviation() const {
+    return sum_ / std::sqrt(dependent_ * static_cast<double>(seen_));
+  }
+  void expect_chance() {
+    EXPECT_GT(seen_, 0);
+    EXPECT_LE(std::fabs(common_deviation()), threshold()) << "variances of the whole test";
+    std::ostringstream text;
+    text.precision(3);
+    text << "all " << seen_ << " together: z " << common_deviation() << " of " << threshold();
+    ::testing::Test::RecordProperty("variances", text.str());
+    made() += seen_ + 1;
+    EXPECT_LE(made(), kVarianceComparisons) << "comparisons of variances in this run";
+  }
+
+  static double threshold() {
+    static const double z = sidak_threshold(kVarianceLevel, kVarianceComparisons);
+    return z;
+  }
+
+ private:
+  static long& made() {
+    static long count = 0;
+    return count;
+  }
+  double dependent_;
+  long seen_ = 0;
+  double sum_ = 0;
+};
+
+// Fourth central moment of a sum of so many deviates of these raw moments: Poisson (slots = 0) or
+// one in each of `slots` places with probability mean_count/slots.
+inline double fourth_moment_of_sum(double mean_count, int slots, double m1, double m2, double m3,
+                                   double m4) {
+  if (slots == 0) return mean_count * m4 + 3 * mean_count * m2 * mean_count * m2;
+  const double k = slots, p = mean_count / k, m = p * m1;
+  const double second = p * m2 - m * m;
+  const double fourth = p * m4 - 4 * m * p * m3 + 6 * m * m * p * m2 - 3 * m * m * m * m;
+  return k * fourth + 3 * k * (k - 1) * second * second;
+}
+
 // Sums of a deviate's powers about its known mean.
 struct Moments {
   double centre = 0, n = 0, first = 0, second = 0, fourth = 0;
@@ -149,6 +239,7 @@ struct Moments {
   }
   double mean() const { return centre + first / n; }
   double variance() const { return second / n; }  // unbiased
+  double fourth_moment() const { return fourth / n; }
   double error_of_mean() const { return std::sqrt(variance() / n); }
   double error_of_variance() const {
     return std::sqrt(std::max(fourth / n - variance() * variance(), 0.0) / n);
