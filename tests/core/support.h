@@ -186,6 +186,8 @@ class Variances {
     sum_ += z;
   }
 
+  long seen() const { return seen_; }
+
   // All of them together, which a common error of the variances does not pass.
   double common_deviation() const {
     return sum_ / std::sqrt(dependent_ * static_cast<double>(seen_));
@@ -241,9 +243,6 @@ struct Moments {
   double variance() const { return second / n; }  // unbiased
   double fourth_moment() const { return fourth / n; }
   double error_of_mean() const { return std::sqrt(variance() / n); }
-  double error_of_variance() const {
-    return std::sqrt(std::max(fourth / n - variance() * variance(), 0.0) / n);
-  }
 };
 
 }  // namespace core_tests

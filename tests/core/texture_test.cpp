@@ -4,6 +4,7 @@
 #include "texture.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include "support.h"
 
@@ -12,27 +13,29 @@ namespace {
 using namespace core_tests;
 using namespace metallic_paint;
 
-constexpr double kLevel = 1e-4;
-
 TEST(Texture, HasMeanOneAndTheContrastOfTheReferenceArea) {
   // Pixels of 1 mm2, 100 mm2, 0.01 mm2: 1/sqrt(Sigma).
   const int n = 200'000;
-  const double threshold = sidak_threshold(kLevel, 12);
-  int seed = 0;
+  const double threshold = sidak_threshold(kFreshLevel, 6);
+  Variances variances;
+  std::uint32_t seed = run_seed();
   for (double contrast : {0.02, 0.1}) {
     for (double square_mm : {1.0, 100.0, 0.04}) {
       const double deviation = contrast / std::sqrt(square_mm);
       Moments found{1};
       for (int i = 0; i < n; ++i) {
-        found.add(pixel_texture<double>(contrast, square_mm * 1e-6, i % 500, i / 500, 0, seed));
+        found.add(pixel_texture<double>(contrast, square_mm * 1e-6, i % 500, i / 500, 0,
+                                        static_cast<int>(seed)));
       }
       ++seed;
       EXPECT_LT(std::fabs(found.mean() - 1) / (deviation / std::sqrt(n)), threshold) << contrast;
-      EXPECT_LT(std::fabs(found.variance() - deviation * deviation) / found.error_of_variance(),
-                threshold)
-          << contrast << ' ' << square_mm;
+      // The kurtosis of the lognormal law.
+      const double square = deviation * deviation, q = 1 + square;
+      const double kurtosis = q * q * q * q + 2 * q * q * q + 3 * q * q - 3;
+      variances.see(found.variance(), square, square * square * kurtosis, n, contrast);
     }
   }
+  variances.expect_chance();
 }
 
 TEST(Texture, IsFiniteAndPositiveAtTheExtremes) {
