@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import os
 import sys
 from pathlib import Path
 
@@ -69,6 +70,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     scene = bpy.context.scene
     item = verify_scenes.build(scene, spec, SIZE)
     probe = verify.Probe(scene, [item.active_material])
+    probe.drive("Seed")
     geometry = probe.geometry()
     slots = core_lights()
     lamps = lights.fill(scene).slots
@@ -296,6 +298,13 @@ def check_by_chance(
     return report
 
 
+def _send_chatter_to(log: Path) -> None:
+    """What Blender writes of each picture goes into the log, our own lines to the console."""
+    sys.stdout = os.fdopen(os.dup(1), "w")
+    with log.open("wb") as file:
+        os.dup2(file.fileno(), 1)
+
+
 def slug(name: str) -> str:
     return "-".join("".join(c if c.isalnum() else " " for c in name.lower()).split())
 
@@ -312,6 +321,7 @@ def main() -> int:
     if not scenes:
         print(f"No scene has “{arguments.only}” in its name.", file=sys.stderr)
         return 2
+    _send_chatter_to(arguments.out / "blender.log")
     report = [] if arguments.only else [hashes.check(blender())]
     for number, spec in enumerate(scenes, 1):
         print(f"[{number}/{len(scenes)}] {spec.name}", flush=True)

@@ -30,8 +30,13 @@ def show(
 ) -> None:
     """What the objects show of this light slot and flake species (0-based)."""
     values = (diagnostic, light + 1, species + 1, int(diagnostic not in LIT))
+    set_properties(things, dict(zip((*_INPUTS, _EMITS), values, strict=True)))
+
+
+def set_properties(things: Collection[bpy.types.Object], values: dict[str, float]) -> None:
+    """What the objects' attribute nodes of these names have."""
     for thing in things:
-        for name, value in zip((*_INPUTS, _EMITS), values, strict=True):
+        for name, value in values.items():
             thing[_property(name)] = value
         thing.update_tag()
 
@@ -63,7 +68,7 @@ def _variant(group: bpy.types.ShaderNodeTree) -> Iterator[bpy.types.ShaderNodeTr
         script = copy.nodes[material.NAME]
         shader.compile_into(script, text)
         for name in _INPUTS:
-            attribute = _attribute(copy, name)
+            attribute = attribute_of(copy, name)
             copy.links.new(attribute.outputs["Fac"], script.inputs[name])
         copy.interface.new_socket(_SHOWN, in_out="OUTPUT", socket_type="NodeSocketColor")
         out = next(node for node in copy.nodes if node.type == "GROUP_OUTPUT")
@@ -83,7 +88,7 @@ def _as_surface(painted: bpy.types.Material, variant: bpy.types.ShaderNodeTree) 
     sampling, painted.cycles.emission_sampling = painted.cycles.emission_sampling, "NONE"
     surface = tree.get_output_node("CYCLES").inputs["Surface"]
     emission = tree.nodes.new("ShaderNodeEmission")
-    emits = _attribute(tree, _EMITS)
+    emits = attribute_of(tree, _EMITS)
     mix = tree.nodes.new("ShaderNodeMixShader")
     tree.links.new(emits.outputs["Fac"], mix.inputs["Fac"])
     for link in list(surface.links):
@@ -102,7 +107,8 @@ def _as_surface(painted: bpy.types.Material, variant: bpy.types.ShaderNodeTree) 
         node.node_tree = group
 
 
-def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.ShaderNodeAttribute:
+def attribute_of(tree: bpy.types.NodeTree, name: str) -> bpy.types.ShaderNodeAttribute:
+    """A node with the objects' property of that name."""
     attribute = tree.nodes.new("ShaderNodeAttribute")
     attribute.attribute_type, attribute.attribute_name = "OBJECT", _property(name)
     return attribute

@@ -19,7 +19,17 @@ import bpy
 import numpy as np
 
 from ..paint import material
-from .diagnostics import NORMAL, PIXEL, POSITION, RASTER, VIEW, show, variants
+from .diagnostics import (
+    NORMAL,
+    PIXEL,
+    POSITION,
+    RASTER,
+    VIEW,
+    attribute_of,
+    set_properties,
+    show,
+    variants,
+)
 
 
 @dataclass(frozen=True)
@@ -104,11 +114,24 @@ class Probe:
         self.nodes = [material.paint_node(m) for m in materials]
         self._variants = contextlib.ExitStack()
         self._diagnosing = False
+        self._driven: set[str] = set()
         make_noiseless(scene)
 
-    def set(self, socket: str, value: object) -> None:
+    def set(self, socket: str, value: float) -> None:
+        if socket in self._driven:
+            set_properties(self._painted(), {socket: value})
+            return
         for node in self.nodes:
             node.inputs[socket].default_value = value
+
+    def drive(self, socket: str) -> None:
+        """Lets set() change the socket without a compilation: for whole numbers up to 2**24."""
+        value = self.nodes[0].inputs[socket].default_value
+        for painted, node in zip(self.materials, self.nodes, strict=True):
+            attribute = attribute_of(painted.node_tree, socket)
+            painted.node_tree.links.new(attribute.outputs["Fac"], node.inputs[socket])
+        self._driven.add(socket)
+        self.set(socket, value)
 
     def image(self, diagnostic: int, light: int = 0, species: int = 0) -> np.ndarray:
         """(h, w, 3) float32: the diagnostic of the light slot and flake species (0-based)."""
@@ -130,12 +153,14 @@ class Probe:
             self._variants.enter_context(variants(self.materials))
             self._variants.enter_context(_persistent_data(self.scene))
             self._diagnosing = True
-        painted = [
+        show(self._painted(), diagnostic, light, species)
+
+    def _painted(self) -> list[bpy.types.Object]:
+        return [
             thing
             for thing in self.scene.objects
             if any(slot.material in self.materials for slot in thing.material_slots)
         ]
-        show(painted, diagnostic, light, species)
 
     def geometry(self) -> Geometry:
         view = self.image(VIEW)
