@@ -7,7 +7,6 @@ import argparse
 import json
 import re
 import shutil
-import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from common.environments import OWN
 from common.processes import BUILD, ROOT, StepFailedError, describe, run_limited, run_program, say
 
 RESULTS = BUILD / "results"  # of each session a JUnit file under its name
@@ -99,7 +99,7 @@ def main() -> int:
     start = time.monotonic()
     shutil.rmtree(RESULTS, ignore_errors=True)
     RESULTS.mkdir(parents=True)
-    nox = [Path(sys.executable).with_name("nox"), "-f", ROOT / "noxfile.py", "--report", REPORT]
+    nox = [OWN / "nox", "-f", ROOT / "noxfile.py", "--report", REPORT]
     sessions = ["--sessions", "sanitized"] if asked.sanitize else []
     passed_on = [*["--all"] * asked.all, "-k", asked.k]
     code = run_limited([*nox, *sessions, "--", *passed_on], seconds=SECONDS)

@@ -23,7 +23,7 @@ from common.processes import BUILD, ROOT, StepFailedError, run_program, run_step
 
 REQUIREMENTS = ROOT / "requirements"
 WHEEL_SOURCES = ("CMakeLists.txt", "VERSION", "pyproject.toml", "core", "bindings")
-UV = Path(sys.executable).with_name("uv")  # ./paint installs it beside this Python
+OWN = BUILD / "env-paint" / "bin"  # of ./paint, which installs uv there
 # pip's settings, of which a machine may have some, and uv's of the same meaning.
 PIP_AND_UV = {
     "index-url": "UV_DEFAULT_INDEX",
@@ -220,13 +220,13 @@ def _install_bindings(environment: Environment, python_version: str) -> None:
 
 
 def _uv(what: str, arguments: Sequence[str | Path], log_name: str) -> None:
-    run_step(what, ["env", *_uv_settings(), UV, *arguments], log_name)
+    run_step(what, ["env", *_uv_settings(), OWN / "uv", *arguments], log_name)
 
 
 @cache
 def _uv_settings() -> list[str]:
     """uv fetches no Python, and looks for packages where pip would, whose settings it ignores."""
-    pip = [sys.executable, "-m", "pip", "config", "list"]
+    pip = [OWN / "python", "-m", "pip", "config", "list"]
     said = subprocess.run(pip, capture_output=True, text=True, check=False).stdout
     settings = {"UV_PYTHON_DOWNLOADS": "never"}
     for line in said.splitlines():  # global.index-url='…', and :env:. last, which prevails

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager
+from typing import Any
 
 import bpy
 
@@ -65,7 +66,7 @@ def _variant(group: bpy.types.ShaderNodeTree) -> Iterator[bpy.types.ShaderNodeTr
         source = shader.source(diagnostics=True)
         text.write(source)
         material.mark(copy, source)
-        script = copy.nodes[material.NAME]
+        script: Any = copy.nodes[material.NAME]  # a ShaderNodeScript
         shader.compile_into(script, text)
         for name in _INPUTS:
             attribute = attribute_of(copy, name)
