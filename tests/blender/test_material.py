@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -27,26 +28,29 @@ from metallic_paint.scene import lights
 
 Render = Callable[[], np.ndarray]
 
-EVERYTHING_ELSE = Paint(
-    flakes_per_mm2=1, flake_diameter_um=2, flake_area_spread=3, orientation="ggx", tilt=0.4,
-    flake_spread=0.05, flake_color=(0.11, 0.12, 0.13), flake_edge_color=(0.21, 0.22, 0.23),
-    flake_transmission=(0.31, 0.32, 0.33), coating="silver", coating_nm=61,
-    second=Flakes(
-        flakes_per_mm2=2, flake_diameter_um=3, flake_area_spread=4, orientation="ggx", tilt=0.5,
-        flake_spread=0.06, flake_color=(0.12, 0.13, 0.14), flake_edge_color=(0.22, 0.23, 0.24),
-        flake_transmission=(0.32, 0.33, 0.34), coating="gold", coating_nm=62,
-    ),
-    third=Flakes(
-        flakes_per_mm2=3, flake_diameter_um=4, flake_area_spread=5, orientation="beckmann",
-        tilt=0.6, flake_spread=0.07, flake_color=(0.13, 0.14, 0.15),
-        flake_edge_color=(0.23, 0.24, 0.25), flake_transmission=(0.33, 0.34, 0.35),
-        coating="nickel", coating_nm=63,
-    ),
-    binder_ior=1.7, layer_thickness_um=18, binder_absorption_per_mm=(19, 20, 21),
-    rayleigh_per_mm=22, diffraction="none", depth_model="thinned", radiometry="published",
-    composition="published", sparkle_contrast=0.63, seed=23, substrate_color=(0.51, 0.52, 0.53),
-    texture_contrast=0.54, coat_roughness=0.6, orange_peel=0.61, orange_peel_mm=62,
-)  # fmt: skip
+
+def everything_else() -> Paint:
+    """No parameter has its default, and no two species share a number."""
+    fields: dict[str, dict[str, Any]] = {"": {}, "second": {}, "third": {}}
+    for number, (name, parameter) in enumerate(PARAMETERS.items()):
+        species, _, field = name.rpartition(".")
+        default = value_of(Paint(), name)
+        share = 0.1 + 0.3 * number / len(PARAMETERS)
+        least, most = parameter.slider
+        between = float(f"{least + share * (most - least):.3g}")
+        value: object = between
+        if parameter.choices:
+            value = next(word for word in reversed(parameter.choices) if word != default)
+        elif isinstance(default, tuple):
+            value = tuple(round(between + i, 5) for i in (0.01, 0.02, 0.03))
+        elif isinstance(default, int):
+            value = 23
+        fields[species][field] = value
+    paint = fields.pop("")
+    return Paint(**paint, **{name: Flakes(**values) for name, values in fields.items()})
+
+
+EVERYTHING_ELSE = everything_else()
 
 
 def probe(body: str) -> str:
