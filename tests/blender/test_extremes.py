@@ -17,6 +17,7 @@ from many_paints import ManyPaints, sockets_of
 from metallic_paint import verify
 from metallic_paint.native import core_lights
 from metallic_paint.paint import (
+    COATINGS,
     INT_MAX,
     INT_MIN,
     NO_FLAKES,
@@ -25,7 +26,6 @@ from metallic_paint.paint import (
     Parameter,
     core_paint,
     material,
-    table,
 )
 from metallic_paint.scene import lights
 from verification import scenes
@@ -156,29 +156,56 @@ def random_paint(chance: random.Random) -> Paint:
         if parameter.choices:
             return chance.choice(parameter.choices)
         if isinstance(default, tuple):
-            one = dataclasses.replace(parameter, is_color=False)
-            return tuple(chance.random() if parameter.is_color else anything(one, 0.0)
-                         for _ in range(3))  # fmt: skip
-        if isinstance(default, int):
-            return default
+            return tuple(chance.uniform(parameter.minimum, parameter.maximum) for _ in range(3))
         if parameter.minimum > 0:
             return decades(parameter.minimum, parameter.maximum)
         return decades(1e-9 * parameter.maximum, parameter.maximum, zero=0.25)
 
-    def fields(parameters: dict[str, Parameter]) -> dict[str, Any]:
-        return {name: anything(each, getattr(Paint, name)) for name, each in parameters.items()}
+    def with_others(of: type[Flakes], fields: dict[str, Any]) -> dict[str, Any]:
+        """With the parameters that no line here knows, anywhere in their range."""
+        others = of.parameters.keys() - fields.keys() - {"seed"}
+        if of is Paint:
+            others -= Flakes.parameters.keys()
+        return fields | {n: anything(of.parameters[n], getattr(of, n)) for n in sorted(others)}
 
     def species() -> dict[str, Any]:
-        found = fields(table.FLAKE_PARAMETERS)
-        if found["orientation"] != "gaussian":
-            found["tilt"] = decades(1e-6, 1)
-        for name in ("flake_color", "flake_edge_color"):
-            both = zip(found[name], found["flake_transmission"], strict=True)
-            found[name] = tuple(r * (1 - t) for r, t in both)
-        return found
+        orientation = chance.choice(["gaussian", "beckmann", "ggx"])
+        transmission = tuple(chance.random() for _ in range(3))
+        reflectance = [tuple(chance.random() * (1 - t) for t in transmission) for _ in range(2)]
+        fields = {
+            "flakes_per_mm2": decades(1e-3, 1e9),
+            "flake_diameter_um": decades(1e-3, 1e5),
+            "flake_area_spread": decades(1e-2, 100, zero=0.2),
+            "orientation": orientation,
+            "tilt": decades(1e-6, 100 if orientation == "gaussian" else 1),
+            "flake_spread": decades(1e-6, 0.5, zero=0.2),
+            "flake_color": reflectance[0],
+            "flake_edge_color": reflectance[1],
+            "flake_transmission": transmission,
+            "coating": chance.choice(["colors", *COATINGS]),
+            "coating_nm": chance.uniform(0, 200),
+        }
+        return with_others(Flakes, fields)
 
     more = [Flakes(**species()) if chance.random() < 0.3 else NO_FLAKES for _ in range(2)]
-    return Paint(**species(), **fields(table.PAINT_PARAMETERS), second=more[0], third=more[1])
+    own = species()
+    paint = {
+        "binder_ior": decades(0.1, 10),
+        "layer_thickness_um": decades(1e-3, 1e6, zero=0.1),
+        "binder_absorption_per_mm": tuple(decades(1e-3, 1e6, zero=0.2) for _ in range(3)),
+        "rayleigh_per_mm": decades(1e-3, 1e6, zero=0.5),
+        "diffraction": chance.choice(["none", "disc"]),
+        "depth_model": chance.choice(["attenuated", "thinned"]),
+        "radiometry": chance.choice(["exact", "published"]),
+        "composition": chance.choice(["exact", "published"]),
+        "sparkle_contrast": decades(1e-3, 1, zero=0.2),
+        "substrate_color": tuple(chance.random() for _ in range(3)),
+        "texture_contrast": decades(1e-6, 1, zero=0.5),
+        "coat_roughness": decades(1e-6, 1, zero=0.3),
+        "orange_peel": decades(1e-6, 1, zero=0.5),
+        "orange_peel_mm": decades(1e-3, 1e6),
+    }
+    return Paint(**own, **with_others(Paint, paint), second=more[0], third=more[1])
 
 
 def test_every_paint_is_sound(subtests: pytest.Subtests) -> None:

@@ -4,10 +4,12 @@
 // number type, and as the independent reference sees them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <type_traits>
 
 #include "independent.h"
 #include "paint.h"
@@ -115,7 +117,22 @@ inline Paint any_paint(Random& random) {
   const auto colour = [&](double most) {
     return Rgb<double>{random.uniform(0, most), random.uniform(0, most), random.uniform(0, most)};
   };
+  // First all that the table has, then what is to be otherwise.
+  const auto anywhere_in = [&](auto& of) {
+    return [&](const char*, auto member, const auto& range) {
+      using Value = std::remove_cvref_t<decltype(of.*member)>;
+      if constexpr (std::is_enum_v<Value>) {
+        of.*member = static_cast<Value>(random.below(static_cast<int>(range.size())));
+      } else if constexpr (std::is_same_v<Value, double>) {
+        of.*member = random.log_uniform(std::max(range.least, 1e-9 * range.most), range.most);
+      } else if constexpr (std::is_same_v<Value, Rgb<double>>) {
+        of.*member = colour(range.most);
+      }
+    };
+  };
+  each_paint_parameter(anywhere_in(p));
   const auto fill = [&](FlakeSpecies& f) {
+    each_flake_parameter(anywhere_in(f));
     f.flakes_per_mm2 = random.log_uniform(1e-6, 1e9);
     f.flake_diameter_um = random.log_uniform(1e-3, 1e5);
     f.flake_area_spread = random.below(3) == 0 ? 0 : random.log_uniform(1e-3, 100);
