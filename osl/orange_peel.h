@@ -6,7 +6,10 @@
 
 #include "refraction.h"
 
-// Of each channel of noise("perlin"), measured over 1e6 points.
+// Of each channel of noise("perlin"). It is 0.982 times the sum over the 8 corners of a cell of f(x) f(y) f(z) g.d, with
+// f(t) = 1 - 6 t^5 + 15 t^4 - 10 t^3, d the way from the corner and g random, each of its components of mean square 2/3. So the
+// variance is 0.982^2 16 A^2 B, A and B the integrals of f^2 and of t^2 f^2 over [0, 1], 0.39177 and 0.029693: 0.2652^2. The
+// slope shown is 2 % more than asked for.
 #define PERLIN_DEVIATION 0.26
 #define LEAST_HEIGHT 0.01  // the sine of how far above the horizon light leaves, unless the view is lower
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "rough_surface.h"
 #include "support.h"
 
 namespace {
@@ -60,30 +61,6 @@ TEST(Composition, TheRoughHighlightReflectsWhatItsFacetsDo) {
     EXPECT_NEAR(by_view, by_facet, 2e-3) << alpha;
     EXPECT_LT(by_view, 1) << alpha;
   }
-}
-
-// The share of the light that GGX's facets reflect, each at its own angle, by their normals m
-// (tan^2 = alpha^2 u/(1 - u)) weighted as above: single scattering.
-double reflected_by_facets(double cosine, double alpha, double eta) {
-  const Vec3<double> light{std::sqrt(1 - cosine * cosine), 0, cosine};
-  const auto smith = [alpha](double c) {
-    return 2 / (1 + std::sqrt(1 + alpha * alpha * (1 / (c * c) - 1)));
-  };
-  const int rows = 500, columns = 500;
-  double sum = 0;
-  for (int i = 0; i < rows; ++i) {
-    const double u = (i + 0.5) / rows;
-    const double z = 1 / std::sqrt(1 + alpha * alpha * u / (1 - u)), sine = std::sqrt(1 - z * z);
-    for (int j = 0; j < columns; ++j) {
-      const double phi = 2 * std::numbers::pi * (j + 0.5) / columns;
-      const double facing = sine * std::cos(phi) * light.x + z * light.z;
-      const double out = 2 * facing * z - light.z;
-      if (!(facing > 0 && out > 0)) continue;
-      const double fresnel = 1 - fresnel_transmittance(facing, eta_cos_refracted(facing, eta), eta);
-      sum += fresnel * smith(out) * smith(light.z) * facing / (light.z * z);
-    }
-  }
-  return sum / (rows * columns);
 }
 
 TEST(Composition, TheRoughCoatReflectsWhatItsFacetsDo) {

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "flake_lobe.h"
-#include "reference/random_walk.h"
+#include "mixture_scenes.h"
 #include "scenes.h"
 #include "support.h"
 
@@ -17,256 +16,262 @@ namespace {
 
 using namespace core_tests;
 
-template <class T>
-Rgb<T> albedo_of(const Paint& paint, Rgb<double> substrate, double cos_view) {
-  const Mixture<T> m = mixture(make_layer<T>(paint), Rgb<T>(substrate), static_cast<T>(cos_view));
-  return m.diffuse + m.glossy;
-}
+// --- random paints against what docs/fits.md states ------------------------------------------
 
-double surface_of(const Paint& paint, double cos_view) {
-  const double eta = paint.binder_ior;
-  return 1 - fresnel_transmittance(cos_view, eta_cos_refracted(cos_view, eta), eta);
-}
+// Paints are fresh in every run, so the bars must hold for any. tests/fits/mixture_error.cpp found
+// the numbers below over many paints of the same law, and what follows from that for fresh ones is
+// asserted at this level.
+constexpr double kEachLevel = 1e-5;
 
-// E(v): the lobe that the shader renders, by the rectangle rule over its two deviates.
-Rgb<double> single_scattering(const Paint& paint, double cos_view) {
-  const Layer<double> layer = make_layer<double>(paint);
-  const Vec3<double> view{std::sqrt(1 - cos_view * cos_view), 0, cos_view};
-  constexpr int kTilts = 400, kAzimuths = 100;
-  Rgb<double> sum{};
-  for (int i = 0; i < kTilts; ++i) {
-    for (int j = 0; j < kAzimuths; ++j) {
-      sum = sum +
-            sample_flake<double>(layer, {0, 0, 1}, view, (i + 0.5) / kTilts, (j + 0.5) / kAzimuths)
-                .weight;
+// How many of `fresh` values may pass the one of rank `rank` from the top of `earlier` others. All
+// have the same law. More than m pass it if more than m of the top m + rank of all are fresh, a
+// hypergeometric count: no law of the values is assumed.
+int may_pass(int fresh, int earlier, int rank = 1) {
+  const auto log_choose = [](int n, int k) {
+    return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
+  };
+  for (int m = 0; m < fresh; ++m) {
+    const int top = m + rank;
+    double more = 0;
+    for (int k = m + 1; k <= std::min(top, fresh); ++k) {
+      more += std::exp(log_choose(fresh, k) + log_choose(earlier, top - k) -
+                       log_choose(fresh + earlier, top));
     }
+    if (more <= kEachLevel) return m;
   }
-  return sum / double{kTilts * kAzimuths};
+  return fresh;
 }
 
-// Ordinary paints, as mixture.h states its error for.
-Paint ordinary_paint(Random& random, bool lossless) {
-  const auto colour = [&](double from, double to) {
-    return Rgb<double>{random.uniform(from, to), random.uniform(from, to),
-                       random.uniform(from, to)};
-  };
-  Paint paint = undiffracted();
-  paint.flake_diameter_um = 10;
-  paint.flake_area_spread = 0;
-  paint.flakes_per_mm2 = random.log_uniform(0.05, 5) * 4e4 / std::numbers::pi;
-  paint.orientation = static_cast<Orientation>(random.below(3));
-  paint.tilt = random.log_uniform(0.02, 0.6);
-  paint.binder_ior = random.uniform(1.33, 1.8);
-  paint.layer_thickness_um = 100;
-  // Metal or pearl.
-  if (random.below(2) == 0) paint.flake_transmission = colour(0.05, 0.9);
-  const Rgb<double> most = grey(1.0) - paint.flake_transmission;
-  paint.flake_color = lossless ? most : most * colour(0.1, 1);
-  paint.flake_edge_color = lossless ? most : most * colour(0.4, 1);
-  if (!lossless && random.below(2) == 0) paint.binder_absorption_per_mm = colour(0, 10);
-  if (random.below(3) == 0) paint.rayleigh_per_mm = random.log_uniform(0.03, 1);
-  return paint;
+TEST(Mixture, MayPassCountsAsExchangeabilitySays) {
+  // Two fresh ones are both above the largest of n others with the probability 2/((n + 1)(n + 2)),
+  EXPECT_EQ(may_pass(2, 440), 2);  // 1.03e-5
+  EXPECT_EQ(may_pass(2, 450), 1);  // 0.98e-5
+  // and one above the second of n with the probability 2/(n + 1).
+  EXPECT_EQ(may_pass(1, 199'000, 2), 1);
+  EXPECT_EQ(may_pass(1, 201'000, 2), 0);
 }
 
-// Likewise, of one to three species with coatings of the library.
-Paint library_paint(Random& random) {
-  Paint paint = ordinary_paint(random, false);
-  const int used = 1 + random.below(3);
-  const double coverage = random.log_uniform(0.05, 5) / used;
-  const auto species = [&] {
-    return library_species(random, coverage * random.uniform(0.5, 1.5),
-                           random.log_uniform(0.02, 0.6));
-  };
-  static_cast<FlakeSpecies&>(paint) = species();
-  for (int i = 1; i < used; ++i) paint.more[static_cast<std::size_t>(i - 1)] = species();
-  return paint;
+// Values of fresh paints that pass a stated one, and the worst of them with its paint.
+class Passing {
+ public:
+  explicit Passing(double stated) : stated_(stated) {}
+  template <class... Named>
+  void see(double value, const Named&... named) {
+    ++seen_;
+    if (!(value <= stated_)) ++passed_;
+    worst_.see(value, named...);
+  }
+  // No more than fresh ones may: the stated value was of that rank from the top of so many.
+  void expect(int earlier, int rank, const std::string& name) const {
+    EXPECT_GT(seen_, 0) << name;
+    EXPECT_LE(passed_, may_pass(seen_, earlier, rank))
+        << name << ": of " << seen_ << " beyond " << stated_;
+  }
+  void expect_at_most(double bar, const std::string& name) const {
+    worst_.expect_at_most(bar, name);
+  }
+
+ private:
+  double stated_;
+  int seen_ = 0, passed_ = 0;
+  Worst worst_;
+};
+
+// What the mean of so many values stays below: six standard errors, where a normal one would need
+// 4.3, for errors are skewed.
+double most_of_mean(double mean, double deviation, int values) {
+  return mean + 6 * deviation / std::sqrt(static_cast<double>(values));
 }
 
-// r_s + E + M - 1 over a white substrate.
-void see_furnace(Worst& worst, const Paint& paint, double cos_view) {
-  const Rgb<double> e = single_scattering(paint, cos_view);
-  const Rgb<double> m = albedo_of<double>(paint, grey(1.0), cos_view);
-  const Rgb<double> all = grey(surface_of(paint, cos_view)) + e + m;
+// r_s + E + M - 1 over a white substrate, of the largest colour.
+void see_furnace(Passing& furnace, const SeenPaint& seen) {
+  const Rgb<double> e = single_scattering(seen.paint, seen.cos_view);
+  const Rgb<double> m = albedo_of<double>(seen.paint, seen.substrate, seen.cos_view);
+  const Rgb<double> off = e + m - grey(1 - surface_of(seen.paint, seen.cos_view));
   TestScene scene;
-  scene.paint = paint;
-  for (double x : {all.x, all.y, all.z}) worst.see(std::fabs(x - 1), "cos view", cos_view, scene);
+  scene.paint = seen.paint;
+  furnace.see(max_component(map(off, [](double x) { return std::fabs(x); })), "cos view",
+              seen.cos_view, scene);
 }
 
 TEST(Mixture, ALosslessPaintReflectsEverything) {
-  Random random(90);
-  Worst worst;
-  for (int i = 0; i < 100 / std::min(kFewer, 4); ++i) {
-    const Paint paint = ordinary_paint(random, true);
-    see_furnace(worst, paint, i % 4 == 0 ? 1 : random.uniform(0.05, 1));
+  Random random(run_seed());
+  Passing furnace(0.0088);
+  for (int i = 0; i < 100 / kFewer; ++i) {
+    see_furnace(furnace, over_white(random, ordinary_paint(random, true)));
   }
-  worst.expect_at_most(0.01, "furnace");
+  furnace.expect(4000, 1, "furnace");
+  furnace.expect_at_most(0.0194, "furnace");
 }
 
 // Titania on mica, and on silica, where what a pearl lets through changes faster with the angle
 // than the two directions see that stand for all that leave.
 TEST(Mixture, ALosslessPearlReflectsEverything) {
-  Random random(95);
-  Worst mica, silica;
-  for (int i = 0; i < 90 / std::min(kFewer, 4); ++i) {
-    Paint paint = library_paint(random);
-    paint.binder_absorption_per_mm = {};
-    const bool on_mica = i % 2 == 0;
-    const auto pearl = [&](FlakeSpecies& flakes) {
-      flakes.coating = on_mica                ? CoatingKind::tio2_on_mica
-                       : random.below(2) == 0 ? CoatingKind::tio2_on_silica
-                                              : CoatingKind::tio2_on_thin_silica;
-    };
-    pearl(paint);
-    for (FlakeSpecies& more : paint.more) pearl(more);
-    see_furnace(on_mica ? mica : silica, paint, i % 3 == 0 ? 1 : random.uniform(0.05, 1));
+  Random random(run_seed());
+  Passing mica(0.0075), silica(0.0301);
+  for (int i = 0; i < 100 / kFewer; ++i) {
+    see_furnace(mica, over_white(random, lossless_pearl(random, true)));
+    see_furnace(silica, over_white(random, lossless_pearl(random, false)));
   }
-  mica.expect_at_most(0.01, "mica");
-  silica.expect_at_most(0.02, "silica");
+  mica.expect(4000, 1, "mica");
+  mica.expect_at_most(0.0153, "mica");
+  silica.expect(4000, 1, "silica");
+  silica.expect_at_most(0.035, "silica");
 }
 
+// The errors of M that docs/fits.md states for a kind of paint.
+struct Stated {
+  int paints;
+  double largest, rarely;  // of all paints; the largest of a seed's passes that once in 1e5
+  int sure_paints, often_rank;
+  double often;            // 95 % of these have no larger error in any colour: of that rank
+  double mean, deviation;  // of the mean error over the three colours
+};
+
 template <class MakePaint>
-void expect_the_walk(std::uint64_t seed, const MakePaint& make_paint) {
-  Random random(seed);
-  Worst worst;
+void expect_the_walk(const Stated& stated, int paints, std::size_t photons,
+                     const MakePaint& make_paint) {
+  Random random(run_seed());
+  Passing all(stated.largest), often(stated.often);
   double sum = 0;
-  int n = 0;
-  const int paints = 60 / kFewer;
   // Three colours each; what the walk's own error may add.
-  const double threshold = sidak_threshold(kLevel, 3.0 * paints);
+  const double threshold = sidak_threshold(kEachLevel, 3.0 * paints);
   for (int i = 0; i < paints; ++i) {
-    const Paint paint = make_paint(random);
-    const double cos_view = i % 4 == 0 ? 1 : random.uniform(0.08, 1);
-    reference::WalkScene scene;
-    scene.paint = paint;
-    const double bright = random.below(2) == 0 ? 1 : 0.2;
-    scene.substrate = {bright * random.uniform(), bright * random.uniform(),
-                       bright * random.uniform()};
-    scene.light = {std::sqrt(1 - cos_view * cos_view), 0, cos_view};
-    scene.photons = 100'000;
-    scene.seed = static_cast<std::uint64_t>(i);
-    const reference::Estimate walked = reference::walk(scene).albedo.total;
-    const Rgb<double> found =
-        single_scattering(paint, cos_view) + albedo_of<double>(paint, scene.substrate, cos_view);
+    const SeenPaint seen = over_any_substrate(random, make_paint(random));
+    const reference::Estimate walked = walked_albedo(seen, photons, random.bits());
+    const Rgb<double> found = single_scattering(seen.paint, seen.cos_view) +
+                              albedo_of<double>(seen.paint, seen.substrate, seen.cos_view);
     TestScene named;
-    named.paint = paint;
+    named.paint = seen.paint;
+    double worst = 0;
     for (auto c : {&Rgb<double>::x, &Rgb<double>::y, &Rgb<double>::z}) {
       const double error = std::fabs(found.*c - walked.mean.*c);
-      worst.see(error - threshold * walked.error.*c, "found", found.*c, "walked", walked.mean.*c,
-                "substrate", scene.substrate.*c, "cos view", cos_view, named);
-      sum += error;
-      ++n;
+      worst = std::max(worst, error - threshold * walked.error.*c);
+      // A normal deviate's mean size is 0.8 of its standard deviation.
+      sum += (error - 0.8 * walked.error.*c) / 3;
     }
+    all.see(worst, "found", found.x, found.y, found.z, "walked", walked.mean.x, walked.mean.y,
+            walked.mean.z, "cos view", seen.cos_view, named);
+    often.see(worst);
   }
-  worst.expect_at_most(0.03, "largest");
-  EXPECT_LE(sum / n, 0.003) << "mean error";
-  ::testing::Test::RecordProperty("mean_error", std::to_string(sum / n));
+  all.expect(stated.paints, 1, "largest");
+  all.expect_at_most(stated.rarely, "largest");
+  often.expect(stated.sure_paints, stated.often_rank, "worst colour");
+  EXPECT_LE(sum / paints, most_of_mean(stated.mean, stated.deviation, paints)) << "mean error";
+  ::testing::Test::RecordProperty("mean_error", std::to_string(sum / paints));
+}
+
+constexpr Stated kOwnColours{12000, 0.0400, 0.093, 400, 21, 0.0126, 0.00207, 0.00221};
+constexpr Stated kButSilica{7521, 0.0480, 0.108, 253, 14, 0.0123, 0.00254, 0.00379};
+constexpr Stated kWithSilica{4479, 0.0913, 0.181, 147, 8, 0.0157, 0.00281, 0.00453};
+
+Paint own_colours(Random& random) { return ordinary_paint(random); }
+
+template <bool silica>
+Paint library_paint_with(Random& random) {
+  for (;;) {
+    const Paint paint = library_paint(random);
+    if (has_silica(paint) == silica) return paint;
+  }
 }
 
 TEST(Mixture, OfOrdinaryPaintsIsThatOfTheRandomWalk) {
-  expect_the_walk(91, [](Random& random) { return ordinary_paint(random, false); });
+  expect_the_walk(kOwnColours, 20 / std::min(kFewer, 4), 30'000, own_colours);
+}
+TEST(Mixture, OfSeveralSpeciesOfTheLibraryIsThatOfTheRandomWalk) {
+  expect_the_walk(kButSilica, 20 / std::min(kFewer, 4), 30'000, library_paint_with<false>);
+}
+TEST(Mixture, LongOfOrdinaryPaintsIsThatOfTheRandomWalk) {
+  expect_the_walk(kOwnColours, 200 / kFewer, 60'000, own_colours);
+}
+TEST(Mixture, LongOfSeveralSpeciesOfTheLibraryIsThatOfTheRandomWalk) {
+  expect_the_walk(kButSilica, 200 / kFewer, 60'000, library_paint_with<false>);
+}
+TEST(Mixture, LongOfPearlsOnSilicaIsThatOfTheRandomWalk) {
+  expect_the_walk(kWithSilica, 120 / kFewer, 60'000, library_paint_with<true>);
 }
 
-TEST(Mixture, OfSeveralSpeciesOfTheLibraryIsThatOfTheRandomWalk) {
-  expect_the_walk(96, library_paint);
+// Fresh paints cannot show a small change for the worse; the same ones do. What M errs on these is
+// no more than it was when they were walked.
+TEST(Mixture, ErrsOnStoredWalksNoMoreThanItDid) {
+  struct StoredWalk {
+    std::uint64_t seed;
+    bool library;
+    int index;
+    Rgb<double> walked;
+  };
+  const StoredWalk walks[] = {
+#include "mixture_walks.inc"
+  };
+  double squares[2] = {}, counts[2] = {};
+  for (const StoredWalk& walk : walks) {
+    Random random(walk.seed);
+    SeenPaint seen;
+    for (int i = 0; i <= walk.index; ++i) {
+      seen =
+          over_any_substrate(random, walk.library ? library_paint(random) : ordinary_paint(random));
+    }
+    const Rgb<double> off = single_scattering(seen.paint, seen.cos_view) +
+                            albedo_of<double>(seen.paint, seen.substrate, seen.cos_view) -
+                            walk.walked;
+    squares[walk.library] += dot(off, off);
+    counts[walk.library] += 3;
+  }
+  EXPECT_EQ(counts[0], 300);
+  EXPECT_EQ(counts[1], 300);
+  EXPECT_LE(std::sqrt(squares[0] / counts[0]), 0.003285) << "own colours";
+  EXPECT_LE(std::sqrt(squares[1] / counts[1]), 0.003384) << "library";
 }
 
 // --- by angle --------------------------------------------------------------------------------
 
-// pi f of GGX microfacets that reflect all they meet (Walter 2007, Smith's G of both directions
-// together), scaled to the albedo 1 as Cycles does; the light is at azimuth 0 and v at pi.
-class GlossyLobe {
- public:
-  GlossyLobe(double cos_view, double alpha) : cos_view_(cos_view), square_(alpha * alpha) {
-    // Over half vectors: cos(theta_h) D dw_h is uniform in u = D's integral from the pole.
-    constexpr int kPolar = 120, kAzimuths = 60;
-    double sum = 0;
-    for (int i = 0; i < kPolar; ++i) {
-      const double u = (i + 0.5) / kPolar;
-      const double cos_half = 1 / std::sqrt(1 + square_ * u / (1 - u));
-      const double sin_half = std::sqrt(1 - cos_half * cos_half);
-      for (int j = 0; j < kAzimuths; ++j) {
-        const double phi = 2 * std::numbers::pi * (j + 0.5) / kAzimuths;
-        const double facing = cos_half * cos_view_ - sin_half * sine_of(cos_view_) * std::cos(phi);
-        const double cos_light = 2 * facing * cos_half - cos_view_;
-        if (facing > 0 && cos_light > 0) sum += visible(cos_light) * facing / cos_half;
-      }
-    }
-    albedo_ = sum / (kPolar * kAzimuths) / cos_view_;
+void expect_the_lightness(int paints, std::size_t photons) {
+  Random random(run_seed());
+  Passing all(19.9), often(6.13);
+  double two_lobes = 0;
+  for (int i = 0; i < paints; ++i) {
+    const SeenPaint seen = over_black(random, ordinary_paint(random));
+    const Mixture<double> m =
+        mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
+    const ByAngle walked = walked_by_angle(seen, photons, random.bits());
+    const LightnessError error = lightness_error(m, seen.cos_view, walked);
+    TestScene named;
+    named.paint = seen.paint;
+    all.see(error.two_lobes, "cos light", seen.cos_view, named);
+    often.see(error.two_lobes);
+    two_lobes += error.two_lobes / paints;
   }
-
-  double operator()(Vec3<double> light) const {
-    const Vec3<double> half = light + Vec3<double>{-sine_of(cos_view_), 0, cos_view_};
-    const double cos_half = half.z / length(half);
-    const double spread = cos_half * cos_half * (square_ - 1) + 1;
-    return square_ / (spread * spread) * visible(light.z) / (4 * cos_view_ * light.z) / albedo_;
-  }
-
- private:
-  static double sine_of(double cosine) { return std::sqrt(1 - cosine * cosine); }
-  double lambda(double c) const { return (std::sqrt(1 + square_ * (1 / (c * c) - 1)) - 1) / 2; }
-  double visible(double cos_light) const { return 1 / (1 + lambda(cos_view_) + lambda(cos_light)); }
-
-  double cos_view_, square_, albedo_ = 1;
-};
-
-// CIE 1976 of a reflectance factor.
-double lightness(double y) {
-  return y > 216.0 / 24389 ? 116 * std::cbrt(y) - 16 : 24389.0 / 27 * y;
-}
-
-struct LightnessError {
-  double two_lobes, lambertian;
-};
-
-// Root mean square over the hemisphere, of single flakes and mixture together.
-LightnessError lightness_error(const Paint& paint, double cos_view, std::uint64_t seed) {
-  reference::WalkScene scene;
-  scene.paint = paint;
-  scene.substrate = grey(0.05);
-  scene.light = {-std::sqrt(1 - cos_view * cos_view), 0, cos_view};
-  for (double theta : {-75.0, -60.0, -45.0, -30.0, -15.0, 0.0, 15.0, 30.0, 45.0, 60.0, 75.0}) {
-    const double angle = theta * std::numbers::pi / 180;
-    scene.detectors.push_back({std::sin(angle), 0, std::cos(angle)});
-    if (theta == 30 || theta == 60)
-      scene.detectors.push_back({0, std::sin(angle), std::cos(angle)});
-  }
-  scene.photons = 100'000;
-  scene.seed = seed;
-  const reference::WalkResult walked = reference::walk(scene);
-  const Mixture<double> m = mixture(make_layer<double>(paint), scene.substrate, cos_view);
-  const GlossyLobe lobe(cos_view, m.alpha);
-  LightnessError error{};
-  for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
-    const double single = std::numbers::pi * walked.brdf[i].part[reference::single_flake].mean.x;
-    const double wanted = lightness(std::numbers::pi * walked.brdf[i].total.mean.x);
-    const double glossy = m.glossy.x * lobe(scene.detectors[i]);
-    const double off = lightness(single + m.diffuse.x + glossy) - wanted;
-    const double flat = lightness(single + m.diffuse.x + m.glossy.x) - wanted;
-    error.two_lobes += off * off;
-    error.lambertian += flat * flat;
-  }
-  const double n = static_cast<double>(scene.detectors.size());
-  return {std::sqrt(error.two_lobes / n), std::sqrt(error.lambertian / n)};
+  all.expect(1000, 1, "largest");
+  often.expect(1000, 11, "99 %");
+  EXPECT_LE(two_lobes, most_of_mean(1.00, 1.20, paints));
+  ::testing::Test::RecordProperty("mean", std::to_string(two_lobes));
 }
 
 TEST(Mixture, HasTheLightnessOfTheRandomWalkByAngle) {
-  Random random(97);
-  const int paints = 60 / kFewer;
-  double two_lobes = 0, lambertian = 0, worst = 0;
-  for (int i = 0; i < paints; ++i) {
-    const Paint paint = ordinary_paint(random, false);
-    const double cos_view = i % 3 == 0 ? 0.97 : i % 3 == 1 ? 0.7 : 0.35;
-    const LightnessError error = lightness_error(paint, cos_view, static_cast<std::uint64_t>(i));
-    two_lobes += error.two_lobes / paints;
-    lambertian += error.lambertian / paints;
-    worst = std::max(worst, error.two_lobes);
+  expect_the_lightness(20 / std::min(kFewer, 4), 30'000);
+}
+TEST(Mixture, LongHasTheLightnessOfTheRandomWalkByAngle) {
+  expect_the_lightness(250 / kFewer, 30'000);
+}
+
+// Of 40 shiny paints more than half err more than twice as much with one Lambertian lobe: so do 84
+// % of all, and fewer than half of 40 would with the probability 1e-6 (binomial).
+TEST(Mixture, OneLobeWouldErrTwiceAsMuch) {
+  Random random(run_seed());
+  constexpr int kPaints = 40;
+  int twice = 0;
+  for (int i = 0; i < kPaints;) {
+    const Paint paint = ordinary_paint(random);
+    if (!is_shiny(paint)) continue;
+    const SeenPaint seen = over_black(random, paint);
+    const Mixture<double> m =
+        mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
+    const ByAngle walked = walked_by_angle(seen, 10'000, random.bits());
+    const LightnessError error = lightness_error(m, seen.cos_view, walked);
+    if (error.lambertian > 2 * error.two_lobes) ++twice;
+    ++i;
   }
-  EXPECT_LE(two_lobes, 1.5);
-  EXPECT_LE(worst, 16);
-  EXPECT_GE(lambertian, 2 * two_lobes) << "one lobe would do";
-  ::testing::Test::RecordProperty("mean", std::to_string(two_lobes));
-  ::testing::Test::RecordProperty("lambertian", std::to_string(lambertian));
-  ::testing::Test::RecordProperty("worst", std::to_string(worst));
+  EXPECT_GE(twice, kPaints / 2);
 }
 
 // Half of the flakes twice are all of them.

@@ -2,6 +2,7 @@
 """What substrate, pigment and several flakes scatter, through Python."""
 
 import math
+import secrets
 
 import metallic_paint_core as core
 import numpy as np
@@ -23,12 +24,15 @@ def test_it_is_what_the_random_walk_leaves_beside_single_flakes(paint: core.Pain
     substrate = (0.1, 0.5, 0.9)
     for cosine in (1.0, 0.3):
         light = [math.sqrt(1 - cosine * cosine), 0, cosine]
-        walk = core.random_walk(paint, light, substrate=substrate, photons=200_000, seed=5)
+        seed = secrets.randbits(64)
+        walk = core.random_walk(paint, light, substrate=substrate, photons=200_000, seed=seed)
         expected = walk["albedo"] - walk["albedo_single_flake"]
         mixture = core.mixture(paint, substrate, cosine)
         found = mixture["diffuse"] + mixture["glossy"]
-        # 0.03 is the model's own error (core/mixture.h); the walk's is below 0.002 here.
-        np.testing.assert_allclose(found, expected, rtol=0, atol=0.035)
+        # The model's own error for these paints is 0.0115 +- 0.0003 (2 million photons). One run in
+        # 1e5 finds one of the twelve beyond 5 standard errors of the walk.
+        walked = np.hypot(walk["albedo_error"], walk["albedo_single_flake_error"])
+        assert (np.abs(found - expected) <= 0.0125 + 5 * walked).all(), f"{cosine=} {seed=}"
         assert (expected > 0.02).all()
         assert (mixture["glossy"] > 0).all()
 

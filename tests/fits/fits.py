@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what the core's fitted formulas err, and what other constants would.
+
+    python3 tests/fits/fits.py
+
+walks through the paints of 200 fresh seeds, which it prints, and writes docs/fits.md: 25 minutes of
+one core, and 5 more for all the rest. --walks FILE keeps the walks, or takes them from there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+BUILD = ROOT / "build" / "fits"
+PROGRAMS = BUILD / "tests" / "fits"
+HEADER = ROOT / "core" / "mixture.h"
+
+# What stands in core/mixture.h, and what to try in its place.
+TRIED = {
+    "kForgetting = 20;": [f"kForgetting = {x};" for x in (0, 5, 10, 15, 30, 40, 80)],
+    "2 * std::sqrt(z2) / (1 + 2 * z2)": [
+        f"T({a}) * std::sqrt(z2) / (1 + T({b}) * z2)" for a, b in ((1.5, 2), (1.9, 1.2), (2.5, 2))
+    ],
+    "kNarrowTilt = 0.25;": ["kNarrowTilt = 0;", "kNarrowTilt = 1;"],
+    "kFewFlakes = 1e-3;": ["kFewFlakes = 0;", "kFewFlakes = 1e-2;"],
+}
+# The rows of mixture_error that tell how that does.
+TOLD = [
+    f"{kind}: error of M, {what}"
+    for kind in ("own colours", "library but silica", "library with silica")
+    for what in ("root mean square less the walk's own", "95 %")
+]
+
+PAGE = """\
+<!-- Written by tests/fits/fits.py; every number comes from its run. -->
+
+# What fitted formulas err
+
+What the core's fits and closed forms err against what they stand for, and what other constants
+would. `python3 tests/fits/fits.py` writes this page anew, with fresh paints.
+
+## The mixture against the random walk
+
+`tests/fits/mixture_error.cpp`; `tests/core/mixture_scenes.h` has the paints. Of each seed 60 with
+colours of their own, 60 with coatings of the library, 20 of each lossless kind, 5 by angle.
+
+| | |
+| --- | ---: |
+{errors}
+
+## Other constants in the mixture
+
+The same walks, with one piece of `core/mixture.h` replaced: the root mean square of M's error, less
+the walk's own, and what 95 % stay below.
+
+| | own colours | 95 % | library but silica | 95 % | library with silica | 95 % |
+| --- | ---: | ---: | ---: | ---: | ---: | ---: |
+{tried}
+
+## The mixture's closed forms against averages over the flakes' normals
+
+`tests/fits/mixture_averages.cpp`. g, c and o are the three kinds of light of `core/mixture.h`.
+
+{averages}
+
+## The rough coat
+
+`tests/fits/facet_fit.cpp`: the constants of `core/composition.h`.
+
+{facets}
+
+## The flakes' lobe
+
+`tests/fits/lobe_spread.cpp`: `kLobeSpread` of `core/flake_lobe.h`.
+
+{lobe}
+"""
+
+
+def run(*command: str | Path) -> str:
+    """What a program prints; its progress goes to the terminal."""
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.rstrip()
+
+
+def build() -> None:
+    run("cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release")
+    for program in ("mixture_error", "mixture_averages", "facet_fit", "lobe_spread"):
+        tell(f"building {program}")
+        run("cmake", "--build", BUILD, "--target", program)
+
+
+def tell(what: str) -> None:
+    print(what, file=sys.stderr, flush=True)
+
+
+def with_piece(piece: str, instead: str, walks: Path) -> str:
+    """The errors that a piece of the mixture's header would have in place of another."""
+    tell(f"trying {instead}")
+    text = HEADER.read_text()
+    if text.count(piece) != 1:
+        raise SystemExit(f"{HEADER} holds {piece!r} {text.count(piece)} times, not once.")
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "mixture.h").write_text(text.replace(piece, instead))
+        program = Path(folder) / "mixture_error"
+        run(
+            "c++", "-std=c++20", "-O2", "-ffp-contract=off",
+            "-I", folder, "-I", ROOT / "core", "-I", ROOT / "tests" / "core",
+            ROOT / "tests" / "fits" / "mixture_error.cpp",
+            BUILD / "libmetallic_paint_core_compiled.a", "-lgtest", "-lpthread", "-o", program,
+        )  # fmt: skip
+        return run(program, "compare", walks)
+
+
+def row(name: str, errors: str) -> str:
+    found = dict(line.strip("| ").split(" | ") for line in errors.splitlines())
+    return f"| `{name}` | " + " | ".join(found[told] for told in TOLD) + " |"
+
+
+def page(walks: Path) -> str:
+    errors = run(PROGRAMS / "mixture_error", "compare", walks)
+    tried = [
+        row(instead, with_piece(piece, instead, walks))
+        for piece, others in TRIED.items()
+        for instead in others
+    ]
+    return PAGE.format(
+        errors=errors,
+        tried="\n".join([row("as it is", errors), *tried]),
+        averages=run(PROGRAMS / "mixture_averages"),
+        facets=run(PROGRAMS / "facet_fit"),
+        lobe=run(PROGRAMS / "lobe_spread"),
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seeds", type=int, default=200, metavar="N")
+    parser.add_argument("--first", type=int, metavar="SEED", help="seeds SEED, SEED + 1, ...")
+    parser.add_argument("--walks", type=Path, metavar="FILE", help="keep the walks, or take them")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "fits.md", metavar="FILE")
+    arguments = parser.parse_args()
+    build()
+    walks = arguments.walks or BUILD / "walks.txt"
+    if not (arguments.walks and walks.exists()):
+        first = [] if arguments.first is None else [str(arguments.first)]
+        run(PROGRAMS / "mixture_error", "walk", walks, str(arguments.seeds), *first)
+    part = arguments.out.with_suffix(".part")
+    part.write_text(page(walks))
+    part.replace(arguments.out)
+
+
+if __name__ == "__main__":
+    main()
