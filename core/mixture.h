@@ -163,7 +163,7 @@ struct Mirroring {
 };
 
 // Up to this tilt two points over beta do, but not for the long tail of ggx. Three everywhere
-// change the root mean square of M's error by 0.5 % (docs/fits.md).
+// change the root mean square of M's error by 0.3 % (docs/fits.md).
 inline constexpr double kNarrowTilt = 0.25;
 
 // A smaller share of the flakes is left out. That changes the root mean square of M's error by
@@ -273,7 +273,7 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
 
 // r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
 // angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine is the
-// one that linear regression expects. E is within 0.008 of the lobe's integral, in 95 % within
+// one that linear regression expects. E is within 0.011 of the lobe's integral, in 95 % within
 // 0.003 (2000 cases, docs/fits.md).
 template <class T>
 Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirroring<T>& mirrored,
@@ -309,7 +309,7 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
 // docs/fits.md):
 //                          g              c              o
 //   own colours       0.02 (0.006)   0.02 (0.006)   0.04 (0.02)
-//   metals            0.05 (0.02)    0.05 (0.02)    0.11 (0.07)
+//   metals            0.09 (0.02)    0.06 (0.02)    0.11 (0.07)
 //   pearls on mica    0.08 (0.03)    0.06 (0.04)    0.2 (0.13)
 //   pearls on silica  0.3 (0.2)      0.3 (0.2)      0.5 (0.3)
 template <class T>
@@ -387,7 +387,7 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
 
   // o escapes where a flake turns it: of what Lambertian light does, the share a z/(1 + b z^2) with
   // a = b = 2, z = sin(beta) of a typical flake. That is within 0.25 of the averages over the
-  // normals, 0.09 in root mean square. Fitted to these, a = 1.9 and b = 1.2 are within 0.18 and
+  // normals, 0.09 in root mean square. Fitted to these, a = 1.9 and b = 1.2 are within 0.19 and
   // 0.08, but err more in M (docs/fits.md).
   T mean_cos = 1;
   if (flakes.coverage > 0) mean_cos = std::min(flakes.cos_sum / flakes.coverage, T(1));
@@ -447,7 +447,7 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
   const T albedo = upwards + substrate * down * below;
 
   // Nothing to clamp in a lossless paint, whose albedo is 1. In others E's own estimate exceeds a
-  // dark albedo by 0.03 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
+  // dark albedo by 0.04 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
   const T single = flakes.single.*c;
   const T whole = std::max(albedo - single, T(0));
   return {whole, std::clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};

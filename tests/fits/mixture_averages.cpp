@@ -178,7 +178,8 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   of("c", c, (1 + critical) / 2);
   of("o", o, critical / 2);
   // Per area of the layer: the mean of <s>/cos over Lambertian light is (2/(1 + critical)) <s>.
-  errors.see("<s>/cos of c is <cos beta>", 2 / (1 + critical) * c.area - density.mean_cos);
+  errors.see("mean projected area over cosine, c, as the mean cosine of the tilt",
+             2 / (1 + critical) * c.area - density.mean_cos);
   const double z = std::sqrt((1 - density.mean_cos) * (1 + density.mean_cos));
   const double lambertian = surface.cone * transmittance;
   all_turned.push_back({z, o.escaping / o.area / lambertian});

@@ -146,7 +146,7 @@ struct Walked {
 };
 
 struct Found {
-  unsigned long long first_seed = 0;
+  std::string runs;  // of consecutive seeds, by the first of each
   std::vector<std::vector<Walked>> walked[std::size(kWalked)];  // by seed
   int paints[std::size(kWalked)][2] = {};                       // without silica, with it
   std::vector<Walked> lossless[std::size(kLossless)];           // mean 1, no error
@@ -156,9 +156,10 @@ struct Found {
 Found read(const std::string& file) {
   std::ifstream in(file);
   Found found;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0, last = 0;
   while (in >> seed) {
-    if (found.by_angle.empty()) found.first_seed = seed;
+    if (found.by_angle.empty() || seed != last + 1) found.runs += ' ' + std::to_string(seed);
+    last = seed;
     for (std::size_t k = 0; k < std::size(kWalked); ++k) {
       const std::vector<SeenPaint> seen = seen_paints(kWalked[k], seed);
       for (const SeenPaint& one : seen) ++found.paints[k][has_silica(one.paint) ? 1 : 0];
@@ -352,7 +353,7 @@ void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
 
 void compare(const std::string& file) {
   const Found found = read(file);
-  std::printf("| seeds | %zu from %llu |\n", found.walked[0].size(), found.first_seed);
+  std::printf("| seeds | %zu, in a row from%s |\n", found.walked[0].size(), found.runs.c_str());
   compare_walks("own colours", found, 0, false);
   compare_walks("library but silica", found, 1, false);
   compare_walks("library with silica", found, 1, true);
