@@ -110,6 +110,7 @@ def noise(first: np.ndarray, second: np.ndarray) -> float:
     return float(np.sqrt(((first - second) ** 2).mean() / 2) / first.mean())
 
 
+@pytest.mark.long  # 50 s of processor time
 def test_sparkles_pass_by_the_denoiser_and_noise_does_not() -> None:
     scene = build()
     needs.fit(scene)
