@@ -24,7 +24,8 @@ std::string shape_of(const py::array& array) {
 
 void reject(const std::string& field, py::handle value, const std::string& range) {
   const py::object brief = py::module_::import("reprlib").attr("repr")(value);
-  throw py::value_error(field + " is " + brief.cast<std::string>() + ", but must be " + range + ".");
+  throw py::value_error(field + " is " + brief.cast<std::string>() + ", but must be " + range +
+                        ".");
 }
 
 Array<double> numbers(const char* field, py::handle value) {
