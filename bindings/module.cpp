@@ -6,6 +6,7 @@ PYBIND11_MODULE(_native, module) {
   bind_paint(module);
   bind_light(module);
   bind_evaluate(module);
+  bind_shade(module);
   bind_functions(module);
   bind_explicit_flakes(module);
   bind_reference_walk(module);

@@ -15,6 +15,7 @@
 void bind_paint(pybind11::module_& module);
 void bind_light(pybind11::module_& module);
 void bind_evaluate(pybind11::module_& module);
+void bind_shade(pybind11::module_& module);
 void bind_functions(pybind11::module_& module);
 void bind_explicit_flakes(pybind11::module_& module);
 void bind_reference_walk(pybind11::module_& module);

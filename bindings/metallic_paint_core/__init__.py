@@ -30,6 +30,8 @@ from ._native import (
     orientation_density,
     pixel_texture,
     random_walk,
+    reflectance,
+    shade,
 )
 
 __all__ = [
@@ -57,4 +59,6 @@ __all__ = [
     "orientation_density",
     "pixel_texture",
     "random_walk",
+    "reflectance",
+    "shade",
 ]

@@ -73,6 +73,69 @@ def evaluate(
     "float" repeats the shader operation by operation; "double" is the reference.
     """
 
+class Shades(TypedDict):
+    radiance: NDArray[np.float64]  # (n, m, 3): of the whole paint, 1/sr
+    mean_radiance: NDArray[np.float64]  # (n, m, 3): with the sparkles' mean
+    sparkles: NDArray[np.float64]  # (n, m, 3): as Composition joins them
+    scattered: NDArray[np.float64]  # (n, m, 3): diffuse and glossy lobe
+    shine: NDArray[np.float64]  # (n, m): the coat's
+    coat_reflected: NDArray[np.float64]  # (n,)
+    coat_rest: NDArray[np.float64]  # (n,): the share of all but the shine
+    coat_normal: NDArray[np.float64]  # (n, 3): with the orange peel
+    diffuse: NDArray[np.float64]  # (n, 3): albedo of the diffuse lobe, with the texture
+    glossy: NDArray[np.float64]  # (n, 3): of the glossy one
+    alpha: NDArray[np.float64]  # (n,): its roughness
+    texture: NDArray[np.float64]  # (n,)
+
+def shade(
+    paint: Paint,
+    lights: Sequence[Light],
+    *,
+    position: ArrayLike,
+    normal: ArrayLike,
+    view: ArrayLike,
+    footprint: ArrayLike,
+    pixel: ArrayLike,
+    coat_normal: ArrayLike | None = None,
+    object_position: ArrayLike | None = None,
+    meters_per_unit: float = 1.0,
+) -> Shades:
+    """The whole paint under up to 8 listed lights in n pixels, on all cores.
+
+    Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others, before
+    the orange peel; object_position (n, 3): where the points lie in their object, in scene units, if
+    not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
+
+    What it says of lights is per unit of their irradiance on a plane normal to them:
+    radiance = shine + coat_rest (sparkles + scattered). 0 where a light is below the surface. A light
+    is narrow against the lobes; its radius counts where a coat without roughness mirrors it.
+    """
+
+class Reflectances(TypedDict):
+    reflectance: NDArray[np.float64]  # (n, m, 3): f cos(theta'), 1/sr
+    mirror: NDArray[np.float64]  # (n,): what a coat without roughness reflects besides
+    albedo: NDArray[np.float64]  # (n, 3): the radiance under a world of radiance 1
+
+def reflectance(
+    paint: Paint,
+    light: ArrayLike,
+    *,
+    position: ArrayLike,
+    normal: ArrayLike,
+    view: ArrayLike,
+    footprint: ArrayLike,
+    pixel: ArrayLike,
+    coat_normal: ArrayLike | None = None,
+    object_position: ArrayLike | None = None,
+    meters_per_unit: float = 1.0,
+) -> Reflectances:
+    """The whole paint under light that is not listed: world, area lights, neighbours.
+
+    light (m, 3): unit vectors towards it; places as in shade. reflectance times radiance and solid
+    angle is what that light adds, with the flakes in their mean. A coat without roughness is a mirror
+    besides, about shade's coat_normal. albedo is the integral of both, to 0.003.
+    """
+
 class TracedFlakes(TypedDict):
     count: NDArray[np.float64]  # (n,): sparkles
     radiance: NDArray[np.float64]  # (n, 3): T, per unit irradiance normal to the light, 1/sr

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "batch.h"
+#include "module.h"
+#include "validation.h"
+#include "whole_paint.h"
+
+namespace py = pybind11;
+using namespace metallic_paint;
+
+namespace {
+
+// The arguments that say where a paint is looked at.
+struct Places {
+  Array<double> position, normal, view, footprint, coat_normal, object_position;
+  Array<std::int32_t> pixel;
+  double meters_per_unit;
+
+  Places(py::handle positions, py::handle normals, py::handle views, py::handle footprints,
+         py::handle pixels, py::handle coat_normals, py::handle object_positions, py::handle meters)
+      : position(numbers("position", positions)),
+        normal(numbers("normal", normals)),
+        view(numbers("view", views)),
+        footprint(numbers("footprint", footprints)),
+        coat_normal(coat_normals.is_none() ? normal : numbers("coat_normal", coat_normals)),
+        object_position(object_positions.is_none() ? position
+                                                   : numbers("object_position", object_positions)),
+        pixel(whole_numbers("pixel", pixels)),
+        meters_per_unit(from_python<double>("meters_per_unit", meters, kNumber)) {
+    require_one_dimension("footprint", footprint);
+    const py::ssize_t n = size();
+    require_shape("position", position, {n, 3});
+    require_shape("normal", normal, {n, 3});
+    require_shape("view", view, {n, 3});
+    require_shape("coat_normal", coat_normal, {n, 3});
+    require_shape("object_position", object_position, {n, 3});
+    require_shape("pixel", pixel, {n, 2});
+    require_range("meters_per_unit", meters_per_unit, 1e-12, 1e12, " m");
+    const auto rows = static_cast<std::size_t>(n);
+    validate(PixelBatch{rows, position.data(), normal.data(), view.data(), footprint.data(),
+                        pixel.data()});
+    for (std::size_t i = 0; i < rows; ++i) {
+      const Vec3<double> bent = row(coat_normal, i), at = row(object_position, i);
+      if (!(dot(bent, bent) == 0)) require_unit(at_row("coat_normal", i), bent);
+      for (const double x : {at.x, at.y, at.z}) {
+        require_range(at_row("object_position", i), x, -1e30, 1e30, " scene units");
+      }
+    }
+  }
+
+  py::ssize_t size() const { return footprint.shape(0); }
+  SurfacePoint<double> point(std::size_t i) const {
+    return {row(position, i),    row(normal, i),      row(view, i),
+            footprint.data()[i], pixel.data()[2 * i], pixel.data()[2 * i + 1]};
+  }
+  CoatSurface<double> coat(std::size_t i) const {
+    return {row(coat_normal, i), row(object_position, i), meters_per_unit};
+  }
+  bool has_surface(std::size_t i) const {
+    return length(row(normal, i)) > 0 && length(row(view, i)) > 0 &&
+           length(row(coat_normal, i)) > 0;
+  }
+
+ private:
+  static Vec3<double> row(const Array<double>& array, std::size_t i) {
+    const double* v = array.data() + 3 * i;
+    return {v[0], v[1], v[2]};
+  }
+};
+
+void store(double* array, std::size_t i, Rgb<double> value) {
+  array[3 * i] = value.x;
+  array[3 * i + 1] = value.y;
+  array[3 * i + 2] = value.z;
+}
+
+py::array_t<double> zeros(const std::vector<py::ssize_t>& shape) {
+  py::array_t<double> array(shape);
+  std::fill_n(array.mutable_data(), array.size(), 0.0);
+  return array;
+}
+
+py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
+                      py::handle position, py::handle normal, py::handle view, py::handle footprint,
+                      py::handle pixel, py::handle coat_normal, py::handle object_position,
+                      py::handle meters_per_unit) {
+  if (lights.size() > kLightSlots) {
+    throw py::value_error("lights holds " + std::to_string(lights.size()) +
+                          ", but must hold at most " + std::to_string(kLightSlots));
+  }
+  const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
+                      meters_per_unit);
+  metallic_paint::validate(paint);
+  const py::ssize_t n = places.size(), m = static_cast<py::ssize_t>(lights.size());
+  const std::vector<py::ssize_t> each{n, m, 3};
+  py::array_t<double> radiance = zeros(each), mean = zeros(each), sparkles = zeros(each),
+                      scattered = zeros(each), shine = zeros({n, m}), reflected = zeros({n}),
+                      rest = zeros({n}), diffuse = zeros({n, 3}), glossy = zeros({n, 3}),
+                      alpha = zeros({n}), texture = zeros({n}), bent = zeros({n, 3});
+  double *to_radiance = radiance.mutable_data(), *to_mean = mean.mutable_data(),
+         *to_sparkles = sparkles.mutable_data(), *to_scattered = scattered.mutable_data(),
+         *to_shine = shine.mutable_data(), *to_reflected = reflected.mutable_data(),
+         *to_rest = rest.mutable_data(), *to_diffuse = diffuse.mutable_data(),
+         *to_glossy = glossy.mutable_data(), *to_alpha = alpha.mutable_data(),
+         *to_texture = texture.mutable_data(), *to_bent = bent.mutable_data();
+  {
+    const py::gil_scoped_release released;
+    const Layer<double> layer = make_layer<double>(paint);
+    parallel_for(static_cast<std::size_t>(n), [&](std::size_t i) {
+      if (!places.has_surface(i)) return;
+      const SurfacePoint<double> point = places.point(i);
+      const Stack<double> stack = make_stack(paint, layer, point, places.coat(i));
+      to_reflected[i] = stack.coat.reflected;
+      to_rest[i] = stack.coat.rest;
+      to_alpha[i] = stack.alpha;
+      to_texture[i] = stack.texture;
+      store(to_diffuse, i, stack.diffuse);
+      store(to_glossy, i, stack.glossy);
+      store(to_bent, i, stack.coat_normal);
+      const SlotView<double> slots = view_slots(lights, point);
+      std::array<PixelSparkles<double>, kLightSlots> drawn;
+      for (std::size_t k = 0; k < lights.size(); ++k) {
+        const int leader = slots.leader[k];
+        if (leader < 0) continue;
+        // The leader comes first: a light of its group shows the same sparkles.
+        const auto lead = static_cast<std::size_t>(leader);
+        if (lead == k) {
+          drawn[k] = sparkle(layer, point, pass_between(layer, point, slots.seen[k]), leader,
+                             paint.frame, paint.seed);
+        }
+        const auto found = shade(stack, point, slots.seen[k], drawn[lead].radiance);
+        const std::size_t at = i * lights.size() + k;
+        to_shine[at] = found.shine;
+        store(to_sparkles, at, found.sparkles);
+        store(to_scattered, at, found.scattered);
+        store(to_radiance, at, found.radiance);
+        store(to_mean, at, shade(stack, point, slots.seen[k], drawn[lead].mean_radiance).radiance);
+      }
+    });
+  }
+  py::dict all;
+  all["radiance"] = radiance;
+  all["mean_radiance"] = mean;
+  all["sparkles"] = sparkles;
+  all["scattered"] = scattered;
+  all["shine"] = shine;
+  all["coat_reflected"] = reflected;
+  all["coat_rest"] = rest;
+  all["coat_normal"] = bent;
+  all["diffuse"] = diffuse;
+  all["glossy"] = glossy;
+  all["alpha"] = alpha;
+  all["texture"] = texture;
+  return all;
+}
+
+py::dict reflect_light(const Paint& paint, py::handle directions, py::handle position,
+                       py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
+                       py::handle coat_normal, py::handle object_position,
+                       py::handle meters_per_unit) {
+  const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
+                      meters_per_unit);
+  const Array<double> light = numbers("light", directions);
+  require_rows_of_3("light", light);
+  metallic_paint::validate(paint);
+  const auto towards = [&light](std::size_t k) {
+    const double* v = light.data() + 3 * k;
+    return Vec3<double>{v[0], v[1], v[2]};
+  };
+  const py::ssize_t n = places.size(), m = light.shape(0);
+  const auto lights = static_cast<std::size_t>(m);
+  for (std::size_t k = 0; k < lights; ++k) validate_direction("light", k, towards(k));
+  py::array_t<double> reflectances = zeros({n, m, 3}), mirror = zeros({n}), albedo = zeros({n, 3});
+  double *to_reflectance = reflectances.mutable_data(), *to_mirror = mirror.mutable_data(),
+         *to_albedo = albedo.mutable_data();
+  {
+    const py::gil_scoped_release released;
+    const Layer<double> layer = make_layer<double>(paint);
+    parallel_for(
+        static_cast<std::size_t>(n),
+        [&](std::size_t i) {
+          if (!places.has_surface(i)) return;
+          const SurfacePoint<double> point = places.point(i);
+          const Stack<double> stack = make_stack(paint, layer, point, places.coat(i));
+          if (!(stack.coat_alpha > 0)) to_mirror[i] = stack.coat.reflected;
+          store(to_albedo, i, directional_albedo(layer, stack, point));
+          for (std::size_t k = 0; k < lights; ++k) {
+            store(to_reflectance, i * lights + k, reflectance(layer, stack, point, towards(k)));
+          }
+        },
+        1);
+  }
+  py::dict all;
+  all["reflectance"] = reflectances;
+  all["mirror"] = mirror;
+  all["albedo"] = albedo;
+  return all;
+}
+
+}  // namespace
+
+void bind_shade(py::module_& module) {
+  module.def("shade", &shade_pixels, py::arg("paint"), py::arg("lights"), py::kw_only(),
+             py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
+             py::arg("pixel"), py::arg("coat_normal") = py::none(),
+             py::arg("object_position") = py::none(), py::arg("meters_per_unit") = 1.0,
+             R"doc(The whole paint under up to 8 listed lights in n pixels, on all cores.
+
+Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others, before
+the orange peel; object_position (n, 3): where the points lie in their object, in scene units, if
+not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
+
+A dict. Over pixels and lights, per unit of the light's irradiance on a plane normal to it, 1/sr:
+sparkles (n, m, 3), as Composition joins them; scattered (n, m, 3), the diffuse and the glossy lobe;
+shine (n, m), the coat's; radiance = shine + coat_rest (sparkles + scattered), and mean_radiance,
+the same with the sparkles' mean. 0 where a light is below the surface. A light is narrow against
+the lobes; its radius counts where a coat without roughness mirrors it.
+Over pixels: coat_reflected, coat_rest, texture and alpha (n,), diffuse and glossy (n, 3), the
+albedos of the two lobes with the texture, alpha the glossy one's roughness; coat_normal (n, 3),
+with the orange peel.)doc");
+  module.def("reflectance", &reflect_light, py::arg("paint"), py::arg("light"), py::kw_only(),
+             py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
+             py::arg("pixel"), py::arg("coat_normal") = py::none(),
+             py::arg("object_position") = py::none(), py::arg("meters_per_unit") = 1.0,
+             R"doc(The whole paint under light that is not listed: world, area lights, neighbours.
+
+light (m, 3): unit vectors towards it; places as in shade.
+
+A dict: reflectance (n, m, 3), f cos(theta'), 1/sr, times radiance and solid angle what that light
+adds, with the flakes in their mean; mirror (n,), what a coat without roughness reflects besides, as
+a mirror about shade's coat_normal; albedo (n, 3), the radiance under a world of radiance 1, to
+0.003 the integral of both.)doc");
+}

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole paint's answer for a pixel: the coat over the flakes over what is scattered several
+// times,
+//   coat.reflected shine + coat.rest (sparkles + lobe + diffuse + glossy),
+// as the shader adds its closures. The sparkles are those of the listed lights, the lobe is the
+// flakes' mean under all other light; closures stand here for what Cycles makes of them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "composition.h"
+#include "facet_lobe.h"
+#include "flake_brdf.h"
+#include "flake_lobe.h"
+#include "layer.h"
+#include "light.h"
+#include "mixture.h"
+#include "orange_peel.h"
+#include "paint.h"
+#include "passage.h"
+#include "sparkles.h"
+#include "texture.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+// The surface of the binder at a pixel.
+template <class T>
+struct CoatSurface {
+  Vec3<T> normal;           // before the orange peel
+  Vec3<T> object_position;  // where the point lies in its object, scene units
+  T meters_per_unit = 1;
+};
+
+// What no light has a part in.
+template <class T>
+struct Stack {
+  Coat<T> coat{};
+  Vec3<T> coat_normal{};
+  T coat_alpha{};  // of the coat's facets; 0: a mirror
+  T facets{};      // reflectance of each facet
+  Composition composition{};
+  Rgb<T> diffuse{}, glossy{};  // albedos of the two lobes, textured
+  T alpha = 1;                 // of the glossy one
+  T texture = 1;
+  // 1 over the albedo of the facets: what scales the lobes of coat and mixture to reflect all.
+  T coat_scale{}, glossy_scale{};
+};
+
+template <class T>
+Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoint<T>& point,
+                    const CoatSurface<T>& surface) {
+  Stack<T> stack;
+  const T cos_view = std::clamp(dot(point.normal, point.view), T(1e-4), T(1));
+  const T roughness = static_cast<T>(paint.coat_roughness);
+  stack.coat = make_coat(cos_view, roughness, layer.eta);
+  stack.coat_alpha = roughness * roughness;
+  stack.facets = facet_reflectance(cos_view, roughness, layer.eta);
+  stack.composition = paint.composition;
+  if (paint.composition == Composition::published && stack.coat_alpha > 0) {
+    stack.coat.reflected = stack.facets;
+  }
+  // A coat whose normal is bent reflects elsewhere, and as much.
+  stack.coat_normal = surface.normal;
+  if (paint.orange_peel > 0) {
+    stack.coat_normal =
+        orange_peel(surface.normal, surface.object_position, static_cast<T>(paint.orange_peel),
+                    static_cast<T>(paint.orange_peel_mm) * T(0.001) / surface.meters_per_unit);
+  }
+  if (dot(stack.coat_normal, point.normal) < T(0.999999)) {
+    stack.coat_normal = above_surface(stack.coat_normal, point.normal, point.view);
+  }
+  const Mixture<T> scattered = mixture(layer, Rgb<T>(paint.substrate_color), cos_view);
+  stack.diffuse = scattered.diffuse;
+  stack.glossy = scattered.glossy;
+  stack.alpha = scattered.alpha;
+  // What the sparkles outshine is Lambertian, as published.
+  if (paint.composition == Composition::published) {
+    stack.diffuse = stack.diffuse + stack.glossy;
+    stack.glossy = {};
+  }
+  if (paint.texture_contrast > 0) {
+    stack.texture = pixel_texture(static_cast<T>(paint.texture_contrast), point.footprint,
+                                  point.pixel_x, point.pixel_y, paint.frame, paint.seed);
+  }
+  if (max_component(stack.glossy) > 0) {
+    stack.glossy_scale = 1 / facet_lobe_albedo(cos_view, stack.alpha);
+  }
+  // The sparkles were compared with the highlight of single facets, which are not scaled.
+  const T cos_coat = std::min(dot(stack.coat_normal, point.view), T(1));
+  if (stack.coat_alpha > 0 && cos_coat > 0) {
+    stack.coat_scale = 1;
+    if (paint.composition == Composition::exact) {
+      stack.coat_scale = 1 / facet_lobe_albedo(cos_coat, stack.coat_alpha);
+    }
+  }
+  stack.diffuse = stack.diffuse * stack.texture;
+  stack.glossy = stack.glossy * stack.texture;
+  return stack;
+}
+
+// f cos(theta') of the diffuse and of the glossy lobe, 1/sr.
+template <class T>
+Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light) {
+  const T cos_light = std::max(dot(point.normal, light), T(0));
+  const T lobe = facet_lobe(point.normal, point.view, light, stack.alpha) * stack.glossy_scale;
+  return stack.diffuse * (cos_light / std::numbers::pi_v<T>)+stack.glossy * lobe;
+}
+
+// coat.reflected shine: the coat's highlight per unit of the irradiance on a plane normal to the
+// light, whose radius counts where the coat is a mirror.
+template <class T>
+T coat_shine(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light,
+             T sin2_half_radius) {
+  if (!(stack.coat_alpha > 0)) {
+    return highlight(stack.coat_normal, point.view, light, sin2_half_radius, T(0),
+                     stack.coat.reflected);
+  }
+  if (!(dot(point.normal, light) > 0)) return 0;
+  return stack.coat.reflected * stack.coat_scale *
+         facet_lobe(stack.coat_normal, point.view, light, stack.coat_alpha);
+}
+
+// What a pixel shows of one listed light, per unit of its irradiance on a plane normal to it, 1/sr.
+template <class T>
+struct Shade {
+  Rgb<T> sparkles{};   // as they join the rest: of Composition::published, what they outshine it by
+  Rgb<T> scattered{};  // diffuse and glossy lobe
+  T shine{};           // of the coat
+  Rgb<T> radiance{};   // shine + coat.rest (sparkles + scattered)
+};
+
+// `sparkles`: the radiance T of this light's sparkles, drawn or in the mean.
+template <class T>
+Shade<T> shade(const Stack<T>& stack, const SurfacePoint<T>& point, const SeenLight<T>& light,
+               Rgb<T> sparkles) {
+  const Vec3<T> direction(light.direction);
+  const T sin2_half_radius = static_cast<T>(light.sin2_half_radius);
+  Shade<T> found;
+  found.scattered = scattered_by(stack, point, direction);
+  found.shine = coat_shine(stack, point, direction, sin2_half_radius);
+  found.sparkles = sparkles;
+  if (stack.composition == Composition::published) {
+    const T cos_light = std::max(dot(point.normal, direction), T(0));
+    const T outshone = highlight(stack.coat_normal, point.view, direction, sin2_half_radius,
+                                 stack.coat_alpha, stack.facets);
+    found.sparkles = greatest(sparkles, stack.diffuse * (cos_light / std::numbers::pi_v<T>)+grey(
+                                                            outshone / stack.coat.rest));
+  }
+  found.radiance = grey(found.shine) + (found.sparkles + found.scattered) * stack.coat.rest;
+  return found;
+}
+
+// f cos(theta') of the paint under any other light, 1/sr: the flakes in their mean. A coat without
+// roughness is a mirror besides, of the reflectance coat.reflected about coat_normal.
+template <class T>
+Rgb<T> reflectance(const Layer<T>& layer, const Stack<T>& stack, const SurfacePoint<T>& point,
+                   Vec3<T> light) {
+  const T cos_light = dot(point.normal, light);
+  if (!(cos_light > 0)) return {};
+  const Rgb<T> lobe = flake_brdf(layer, point.normal, point.view, light) * cos_light;
+  const T shine = stack.coat_alpha > 0 ? coat_shine(stack, point, light, T(0)) : T(0);
+  return grey(shine) + (lobe + scattered_by(stack, point, light)) * stack.coat.rest;
+}
+
+// E: the integral of flake_brdf cos(theta') over the lights, by flakes that stand for all.
+template <class T>
+Rgb<T> flake_albedo(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view) {
+  constexpr int tilts = 64, azimuths = 64;
+  Rgb<T> sum{};
+  for (int i = 0; i < tilts; ++i) {
+    for (int j = 0; j < azimuths; ++j) {
+      sum = sum + sample_flake(layer, normal, view, (static_cast<T>(i) + T(0.5)) / tilts,
+                               (static_cast<T>(j) + T(0.5)) / azimuths)
+                      .weight;
+    }
+  }
+  return sum / T(tilts * azimuths);
+}
+
+// The radiance of the paint under a world of radiance 1: r_s + E + M in a smooth coat.
+template <class T>
+Rgb<T> directional_albedo(const Layer<T>& layer, const Stack<T>& stack,
+                          const SurfacePoint<T>& point) {
+  T reflected = stack.coat.reflected;
+  if (stack.composition == Composition::published && stack.coat_alpha > 0) {
+    const T cosine = std::clamp(dot(stack.coat_normal, point.view), T(0), T(1));
+    reflected = cosine > 0 ? reflected * facet_lobe_albedo(cosine, stack.coat_alpha) : T(0);
+  }
+  const Rgb<T> below = flake_albedo(layer, point.normal, point.view) + stack.diffuse + stack.glossy;
+  return grey(reflected) + below * stack.coat.rest;
+}
+
+}  // namespace metallic_paint

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole paint's answer: its parts are their own functions, its energy is what the parts state,
+// and its lobes are what Cycles evaluates.
+#include "whole_paint.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "scenes.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+
+constexpr double kPi = std::numbers::pi;
+const Vec3<double> kUp{0, 0, 1};
+
+SurfacePoint<double> seen_at(double cosine) {
+  return {{}, kUp, {std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine}, 1e-6, 3, 4};
+}
+
+CoatSurface<double> flat_coat() { return {kUp, {}, 1}; }
+
+// The integral of f(light) over the half sphere, by n x n equal shares of cos d omega.
+template <class F>
+auto over_half_sphere(int n, const F& f) {
+  decltype(f(kUp)) sum{};
+  for (int i = 0; i < n; ++i) {
+    const double c = std::sqrt((i + 0.5) / n), s = std::sqrt(1 - c * c);
+    for (int j = 0; j < n; ++j) {
+      const double phi = 2 * kPi * (j + 0.5) / n;
+      sum = sum + f({s * std::cos(phi), s * std::sin(phi), c}) * (kPi / (n * n) / c);
+    }
+  }
+  return sum;
+}
+
+TEST(FacetLobe, AlbedoIsTheIntegralOfTheLobe) {
+  // The lobe by its half vectors: tan^2 = alpha^2 u/(1 - u), d omega' = 4 (view . half) d half.
+  Worst worst;
+  for (double alpha : {0.005, 0.05, 0.2, 0.5, 1.0}) {
+    for (double cosine : {0.05, 0.2, 0.5, 0.9, 1.0}) {
+      const Vec3<double> view = seen_at(cosine).view;
+      double sum = 0;
+      const int n = 2000;  // 1 - u = w^3: crowded in the tail
+      for (int i = 0; i < n; ++i) {
+        const double w = (i + 0.5) / n, u = 1 - w * w * w,
+                     tangent = alpha * std::sqrt(u / (w * w * w));
+        const double c = 1 / std::sqrt(1 + tangent * tangent);
+        for (int j = 0; j < 200; ++j) {
+          const double phi = kPi * (j + 0.5) / 200;
+          const Vec3<double> half{c * tangent * std::cos(phi), c * tangent * std::sin(phi), c};
+          const double facing = dot(view, half);
+          const Vec3<double> light = half * (2 * facing) - view;
+          if (!(facing > 0 && light.z > 0)) continue;
+          const double spread = c * c * (alpha * alpha + tangent * tangent);
+          const double density = alpha * alpha / (kPi * spread * spread);
+          sum += facet_lobe(kUp, view, light, alpha) * 4 * facing / (density * c) * 3 * w * w /
+                 (200 * n);
+        }
+      }
+      worst.see(std::abs(facet_lobe_albedo(cosine, alpha) - sum), "alpha", alpha, "cosine", cosine);
+    }
+  }
+  worst.expect_at_most(3e-4);
+}
+
+TEST(FacetLobe, IsReciprocalAndNeverBelowTheSurface) {
+  Random random(9);
+  for (int k = 0; k < 1000; ++k) {
+    const auto v = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28)),
+               l = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28));
+    const double alpha = random.log_uniform(1e-3, 1);
+    const double f = facet_lobe(kUp, v, l, alpha) / l.z, back = facet_lobe(kUp, l, v, alpha) / v.z;
+    EXPECT_LE(relative_error(f, back), 1e-12);
+  }
+  EXPECT_EQ(facet_lobe(kUp, spherical(1, 0), Vec3<double>{0, 0.6, -0.8}, 0.5), 0);
+}
+
+TEST(WholePaint, EveryPartIsItsOwnFunction) {
+  Random random(31);
+  int shone = 0, compared = 0;
+  for (int k = 0; k < 2'000; ++k) {
+    TestScene scene;
+    scene.paint = k % 2 == 0 ? any_paint(random) : random_paint(random);
+    scene.paint.composition = Composition::exact;
+    scene.paint.orange_peel = 0;
+    scene.paint.binder_ior = random.uniform(1.05, 2.2);
+    aim(scene, random, 3);
+    scene.light_sine = random.log_uniform(1e-3, 0.3);
+    scene.footprint = 1e-7;
+    const auto layer = scene.layer<double>();
+    const auto point = scene.point<double>();
+    const auto light = scene.seen<double>();
+    const auto stack = make_stack(scene.paint, layer, point, {point.normal, {}, 1});
+    const double cos_view = std::clamp(dot(point.normal, point.view), 1e-4, 1.0);
+    const auto m = mixture(layer, scene.paint.substrate_color, cos_view);
+    const double roughness = scene.paint.coat_roughness;
+    const auto coat = make_coat(cos_view, roughness, layer.eta);
+    EXPECT_EQ(stack.coat.reflected, coat.reflected);
+    EXPECT_EQ(stack.coat.rest, coat.rest);
+    const double grain = scene.paint.texture_contrast > 0
+                             ? pixel_texture(scene.paint.texture_contrast, point.footprint, 0, 0,
+                                             scene.paint.frame, scene.paint.seed)
+                             : 1;
+    EXPECT_EQ(stack.texture, grain);
+    EXPECT_EQ(stack.diffuse.y, m.diffuse.y * grain);
+    EXPECT_EQ(stack.glossy.z, m.glossy.z * grain);
+    EXPECT_EQ(stack.alpha, m.alpha);
+    const Rgb<double> sparkles =
+        sparkle(layer, point, pass_between(layer, point, light), 0, 1, 2).radiance;
+    const auto found = shade(stack, point, light, sparkles);
+    const Vec3<double> direction(light.direction);
+    EXPECT_EQ(found.sparkles.x, sparkles.x);
+    const double lobe = facet_lobe(point.normal, point.view, direction, m.alpha) /
+                        facet_lobe_albedo(std::min(dot(point.normal, point.view), 1.0), m.alpha);
+    const double scattered =
+        stack.diffuse.x * dot(point.normal, direction) / kPi + stack.glossy.x * lobe;
+    EXPECT_LE(relative_error(found.scattered.x, scattered), 1e-14);
+    if (roughness == 0) {
+      EXPECT_EQ(found.shine,
+                highlight(point.normal, point.view, direction,
+                          static_cast<double>(light.sin2_half_radius), 0.0, coat.reflected));
+    }
+    shone += found.shine > 0;
+    EXPECT_LE(relative_error(found.radiance.x,
+                             found.shine + coat.rest * (sparkles.x + found.scattered.x)),
+              1e-14);
+    // The mean of an ordinary paint's sparkles is the flakes' lobe where the light is narrow.
+    if (k % 2 == 1 && scene.paint.radiometry == Radiometry::exact && is_narrow(scene)) {
+      const Rgb<double> mean =
+          sparkle(layer, point, pass_between(layer, point, light), 0, 1, 2).mean_radiance;
+      const Rgb<double> other = reflectance(layer, stack, point, direction);
+      const double shine = roughness > 0 ? found.shine : 0;
+      EXPECT_LE(std::abs(other.x - (shine + coat.rest * (mean.x + found.scattered.x))),
+                1e-6 * (other.x + mean.x));
+      ++compared;
+    }
+  }
+  EXPECT_GT(shone, 500);
+  EXPECT_GT(compared, 50);
+}
+
+TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
+  Random random(32);
+  int won = 0;
+  for (int k = 0; k < 500; ++k) {
+    Paint paint = random_paint(random);
+    paint.composition = Composition::published;
+    paint.coat_roughness = random.uniform(0.2, 0.6);
+    const auto layer = make_layer<double>(paint);
+    const auto point = seen_at(random.uniform(0.3, 1));
+    const auto stack = make_stack(paint, layer, point, flat_coat());
+    EXPECT_EQ(max_component(stack.glossy), 0);
+    const SeenLight<double> light{
+        Vec3<long double>(spherical(random.uniform(0, 1), random.uniform(0, 6))), 1e-5L, true};
+    const Rgb<double> sparkles = Rgb<double>{1, 0.7, 0.4} * random.log_uniform(1e-3, 10);
+    const auto found = shade(stack, point, light, sparkles);
+    // Relative to coat.rest, as the shader adds them.
+    const double outshone = highlight(kUp, point.view, Vec3<double>(light.direction), 1e-5,
+                                      stack.coat_alpha, stack.facets);
+    const Rgb<double> base = found.scattered + grey(outshone / stack.coat.rest);
+    const double greatest = std::max(luminance(base), luminance(sparkles));
+    EXPECT_LE(relative_error(luminance(base + found.sparkles), greatest), 1e-12);
+    won += luminance(sparkles) > luminance(base);
+  }
+  EXPECT_GT(won, 50);
+  EXPECT_LT(won, 450);
+}
+
+// A paint that absorbs nothing gives back all: r_s + E + M is within 0.008 of 1, which mixture.h
+// states of smooth coats; a rough one takes its share of the same sum.
+TEST(WholePaint, WhiteFurnace) {
+  Random random(33);
+  Worst smooth, rough;
+  for (int k = 0; k < 200 / kFewer; ++k) {
+    Paint paint = random_paint(random);
+    paint.flake_color = paint.flake_edge_color = {1, 1, 1};
+    paint.flake_transmission = {};
+    paint.binder_absorption_per_mm = {};
+    paint.substrate_color = {1, 1, 1};
+    paint.radiometry = Radiometry::exact;
+    paint.binder_ior = random.uniform(1.3, 1.8);
+    const double cosine = random.uniform(0.1, 1);
+    const auto point = seen_at(cosine);
+    const auto layer = make_layer<double>(paint);
+    const auto albedo = [&] {
+      return directional_albedo(layer, make_stack(paint, layer, point, flat_coat()), point).x;
+    };
+    smooth.see(std::abs(albedo() - 1), "tilt", paint.tilt, "cosine", cosine, "eta", layer.eta);
+    paint.coat_roughness = random.uniform(0, 1);
+    rough.see(std::abs(albedo() - 1), "tilt", paint.tilt, "cosine", cosine, "eta", layer.eta);
+  }
+  smooth.expect_at_most(0.01, "smooth");
+  rough.expect_at_most(0.01, "rough");
+}
+
+// What a world of radiance 1 shows, integrated light by light, is the directional albedo; a smooth
+// coat adds its mirror.
+TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
+  Random random(34);
+  Worst worst;
+  for (int k = 0; k < 24 / std::min(kFewer, 4); ++k) {
+    Paint paint = random_paint(random);
+    paint.tilt = random.log_uniform(0.15, 0.5);
+    paint.substrate_color = {0.6, 0.3, 0.1};
+    paint.coat_roughness = k % 3 == 0 ? 0 : random.uniform(0.4, 1);
+    paint.composition = static_cast<Composition>(k % 2);
+    paint.texture_contrast = k % 4 == 0 ? 0 : 0.5;
+    const auto point = seen_at(random.uniform(0.3, 1));
+    const auto layer = make_layer<double>(paint);
+    const auto stack = make_stack(paint, layer, point, flat_coat());
+    const Rgb<double> integral = over_half_sphere(
+        300, [&](Vec3<double> light) { return reflectance(layer, stack, point, light); });
+    const double mirror = stack.coat_alpha > 0 ? 0 : stack.coat.reflected;
+    const Rgb<double> albedo = directional_albedo(layer, stack, point);
+    worst.see(std::abs(integral.y + mirror - albedo.y), "albedo", albedo.y, "tilt", paint.tilt,
+              "roughness", paint.coat_roughness, "kind", static_cast<int>(paint.orientation));
+  }
+  worst.expect_at_most(3e-3);
+}
+
+TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
+  Random random(35);
+  double square = 0;
+  const int n = 20'000;
+  for (int k = 0; k < n; ++k) {
+    const Vec3<double> p{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-50, 50)};
+    const Vec3<double> bent = orange_peel(kUp, p, 0.01, 1.0);
+    EXPECT_NEAR(length(bent), 1, 1e-14);
+    square += (bent.x * bent.x + bent.y * bent.y) / (bent.z * bent.z);
+    const Vec3<double> view = spherical(random.uniform(0, 1.57), random.uniform(0, 6.28));
+    const Vec3<double> steep = orange_peel(kUp, p, 1.0, 1.0);
+    const Vec3<double> kept = above_surface(steep, kUp, view);
+    const Vec3<double> mirrored = kept * (2 * dot(kept, view)) - view;
+    // Raised, it is no longer a unit: up to half of kLeastHeight squared.
+    EXPECT_GE(mirrored.z, std::min(kLeastHeight, view.z) * 0.9999);
+  }
+  // kPerlinDeviation has two digits.
+  EXPECT_NEAR(std::sqrt(square / n), 0.01, 0.0005);
+}
+
+template <class T>
+void expect_finite_everywhere() {
+  Random random(36);
+  const auto sound = [](Rgb<T> c) {
+    return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z) && c.x >= 0 && c.y >= 0 &&
+           c.z >= 0;
+  };
+  for (int k = 0; k < 3'000 / kFewer; ++k) {
+    const Paint paint = any_paint(random);
+    const auto layer = make_layer<T>(paint);
+    const auto direction = [&] {
+      const double c = random.below(3) == 0 ? random.log_uniform(1e-9, 1) : random.uniform(0, 1);
+      const double s = std::sqrt((1 - c) * (1 + c)), phi = random.uniform(0, 6.28);
+      return Vec3<T>(Vec3<double>{s * std::cos(phi), s * std::sin(phi), c});
+    };
+    const SurfacePoint<T> point{
+        {}, {0, 0, 1}, direction(), static_cast<T>(random.log_uniform(1e-30, 1e30)), k, -k};
+    const CoatSurface<T> coat{
+        {0, 0, 1},
+        Vec3<T>{T(random.log_uniform(1e-30, 1e30)), T(-random.log_uniform(1e-30, 1e30)), 0},
+        static_cast<T>(random.log_uniform(1e-12, 1e12))};
+    const auto stack = make_stack(paint, layer, point, coat);
+    const Light<T> lamp{LightKind::parallel, direction(), T(random.log_uniform(1e-9, 1))};
+    const auto light = see_light(lamp, point.position);
+    const auto way = pass_between(layer, point, light);
+    const auto found = shade(stack, point, light, sparkle(layer, point, way, 0, 1, 2).radiance);
+    ASSERT_TRUE(sound(found.radiance)) << found.radiance.x << " scene " << k;
+    ASSERT_TRUE(sound(reflectance(layer, stack, point, lamp.vector))) << "scene " << k;
+    if (k % 16 == 0) {
+      ASSERT_TRUE(sound(directional_albedo(layer, stack, point))) << "scene " << k;
+    }
+  }
+}
+
+TEST(WholePaint, FiniteEverywhereInDouble) { expect_finite_everywhere<double>(); }
+TEST(WholePaint, FiniteEverywhereInFloat) { expect_finite_everywhere<float>(); }
+
+}  // namespace
