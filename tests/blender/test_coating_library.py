@@ -8,10 +8,10 @@ from pathlib import Path
 import bpy
 import metallic_paint_core as core
 import numpy as np
+import osl_probe
 import pytest
 from common.processes import ROOT
 from metallic_paint import verify
-from metallic_paint.paint import shader
 
 SIZE = 64
 
@@ -46,35 +46,8 @@ shader probe(
 
 @pytest.fixture
 def probe(tmp_path: Path) -> tuple[bpy.types.Scene, bpy.types.ShaderNodeScript]:
-    """A plane that fills the picture and shows the probe's colour."""
-    scene = bpy.context.scene
-    verify.make_noiseless(scene)
-    scene.render.engine = "CYCLES"
-    scene.cycles.shading_system = True
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    bpy.ops.mesh.primitive_plane_add(size=4)
-    plane = bpy.context.object
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.location = (0, 0, 1)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
-
-    file = tmp_path / "probe.osl"
-    file.write_text(PROBE.format(osl=ROOT / "osl", core=ROOT / "core", last=f"{SIZE - 1}.0"))
-    text = bpy.data.texts.new("probe.osl")
-    text.write(shader.flatten(file))
-    material = bpy.data.materials.new("Probe")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    node = tree.nodes.new("ShaderNodeScript")
-    emission = tree.nodes.new("ShaderNodeEmission")
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    shader.compile_into(node, text)
-    tree.links.new(node.outputs["Shown"], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    plane.data.materials.append(material)
-    return scene, node
+    text = PROBE.format(osl=ROOT / "osl", core=ROOT / "core", last=f"{SIZE - 1}.0")
+    return osl_probe.plane_that_shows(text, SIZE, tmp_path)
 
 
 def shown(

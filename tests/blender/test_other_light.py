@@ -150,38 +150,6 @@ ELEVATIONS = [float(np.random.default_rng(100 + k).uniform(20, 90)) for k in ran
 # --- what the core expects ---------------------------------------------------------------------
 
 
-class GlossyLobe:
-    """GGX microfacets (Walter 2007, Smith's G of both directions) scaled to reflect all."""
-
-    def __init__(self, view: np.ndarray, alpha: float) -> None:
-        self.view, self.square = view, alpha**2
-        # Over half vectors of equal shares of cos(theta_h) D dω.
-        n, azimuths = 1000, 200
-        u = (np.arange(n) + 0.5)[:, None] / n
-        phi = 2 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
-        cos_half = 1 / np.sqrt(1 + self.square * u / (1 - u))
-        sin_view = math.sqrt(1 - view[2] ** 2)
-        facing = cos_half * view[2] + np.sqrt(1 - cos_half**2) * sin_view * np.cos(phi)
-        cos_light = 2 * facing * cos_half - view[2]
-        seen = (facing > 0) & (cos_light > 0)
-        shared = facing / cos_half * self._visible(np.where(seen, cos_light, 1))
-        self.albedo = (seen * shared).mean() / view[2]
-
-    def _visible(self, cos_light: np.ndarray) -> np.ndarray:
-        def shadowing(cosine: np.ndarray) -> np.ndarray:
-            return (np.sqrt(1 + self.square * (1 / cosine**2 - 1)) - 1) / 2
-
-        return 1 / (1 + shadowing(self.view[2]) + shadowing(cos_light))
-
-    def __call__(self, light: np.ndarray) -> np.ndarray:
-        """f cos(theta'), (n, 1)."""
-        half = light + self.view
-        cos2_half = half[:, 2] ** 2 / (half**2).sum(axis=1)
-        density = self.square / np.pi / (cos2_half * (self.square - 1) + 1) ** 2
-        f = density * self._visible(light[:, 2]) / (4 * self.view[2]) / self.albedo
-        return f[:, None]
-
-
 @dataclasses.dataclass
 class Expected:
     """The mean radiance of a paint under single lights, RGB."""
@@ -191,49 +159,45 @@ class Expected:
 
     def __post_init__(self) -> None:
         self.core = core_paint(self.paint)
-        cosine = self.view[2]
-        self.mirror = 1 - float(core.fresnel_transmittance(cosine, self.paint.binder_ior))
-        self.mixture = core.mixture(self.core, self.paint.substrate_color, cosine)
-        self.lobe = GlossyLobe(self.view, float(self.mixture["alpha"]))
 
-    def scattered(self, light: np.ndarray) -> np.ndarray:
-        """f cos(theta') of the diffuse and the glossy lobe, (n, 3)."""
-        diffuse = self.mixture["diffuse"] * light[:, 2:] / np.pi
-        return diffuse + self.mixture["glossy"] * self.lobe(light)
+    def place(self, pixel_m2: float = 1e-6) -> dict[str, np.ndarray]:
+        """A pixel that shows so much surface."""
+        return {
+            "position": np.zeros((1, 3)),
+            "normal": np.array([[0.0, 0.0, 1.0]]),
+            "view": self.view[None],
+            "footprint": np.array([pixel_m2]),
+            "pixel": np.zeros((1, 2), dtype=np.int32),
+        }
 
     def world(self, radiance: float) -> np.ndarray:
-        mixture = self.mixture["diffuse"] + self.mixture["glossy"]
-        return radiance * (self.mirror + albedo(self.paint, self.view) + mixture)
+        anywhere = np.array([[0.0, 0.0, 1.0]])
+        return radiance * core.reflectance(self.core, anywhere, **self.place())["albedo"][0]
 
     def sparkles(self, sun: bpy.types.Object, pixel_m2: float) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and standard deviation of a pixel that shows so much surface."""
-        size = math.sin(sun.data.angle / 2)
-        found = core.evaluate(
-            self.core,
-            [core.Light(core.LightKind.parallel, towards(sun), size)],
-            position=np.zeros((1, 3)),
-            normal=np.array([[0.0, 0.0, 1.0]]),
-            view=self.view[None],
-            footprint=np.array([pixel_m2]),
-            pixel=np.zeros((1, 2), dtype=np.int32),
-        )
+        """Mean and standard deviation."""
+        found = core.evaluate(self.core, [light_of(sun)], **self.place(pixel_m2))
         mean, deviation = found["mean_radiance"][0, 0], np.sqrt(found["variance"][0, 0])
         return sun.data.energy * mean, sun.data.energy * deviation
 
     def sun(self, sun: bpy.types.Object, pixel_m2: float) -> np.ndarray:
-        """Where the coat does not mirror it."""
-        scattered = self.scattered(towards(sun)[None])[0]
-        return self.sparkles(sun, pixel_m2)[0] + sun.data.energy * scattered
+        found = core.shade(self.core, [light_of(sun)], **self.place(pixel_m2))
+        return sun.data.energy * found["mean_radiance"][0, 0]
 
     def lamp(self, lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
         """Of a square lamp, and the part of it that the flakes show."""
         light, share = points_of(lamp)
         # A Lambertian emitter of that power.
         radiance = lamp.data.energy / (np.pi * lamp.data.size**2)
-        flakes = flake_brdf(self.paint, self.view, light) * light[:, 2:]
-        flakes, scattered = (radiance * share @ f for f in (flakes, self.scattered(light)))
-        mirrored = radiance * self.mirror * (meets(lamp, self.view * [-1, -1, 1]) > 0)
-        return flakes + scattered + mirrored, flakes
+        whole = core.reflectance(self.core, light, **self.place())
+        flakes = radiance * share @ (flake_brdf(self.paint, self.view, light) * light[:, 2:])
+        met = meets(lamp, self.view * [-1, -1, 1]) > 0
+        mirrored = radiance * whole["mirror"][0] * met
+        return radiance * share @ whole["reflectance"][0] + mirrored, flakes
+
+
+def light_of(sun: bpy.types.Object) -> core.Light:
+    return core.Light(core.LightKind.parallel, towards(sun), math.sin(sun.data.angle / 2))
 
 
 def towards(lamp: bpy.types.Object) -> np.ndarray:
