@@ -44,6 +44,12 @@ inline int coating_row(int kind) {
   return kind < kFirstPearl ? kind - 1 : kFirstPearl - 1 + (kind - kFirstPearl) * kCoatingRows;
 }
 
+template <class T>
+Rgb<T> coating_node(int at) {
+  const double* rgb = kCoatingLibrary + at;
+  return {static_cast<T>(rgb[0]), static_cast<T>(rgb[1]), static_cast<T>(rgb[2])};
+}
+
 // Bilinear in the thickness and in the cosine, whose nodes lie 1/24 apart where light reaches
 // flakes through a surface (alpha <= 42 degrees for a binder of 1.5), and 1/6 below 2/3.
 template <class T>
@@ -55,11 +61,10 @@ Rgb<T> interpolate_library(int first_row, T thickness_nm, T cosine) {
   const T node = std::max(6 * c, 24 * c - 12);
   const int j = std::min(static_cast<int>(node), kCoatingNodes - 2);
   const T w = node - static_cast<T>(j);
-  const auto at = [&](int r, int n) {
-    const double* rgb = kCoatingLibrary + 3 * ((first_row + i + r) * kCoatingNodes + j + n);
-    return Rgb<T>{static_cast<T>(rgb[0]), static_cast<T>(rgb[1]), static_cast<T>(rgb[2])};
-  };
-  return (at(0, 0) * (1 - w) + at(0, 1) * w) * (1 - v) + (at(1, 0) * (1 - w) + at(1, 1) * w) * v;
+  const int at = 3 * ((first_row + i) * kCoatingNodes + j);
+  const int below = at + 3 * kCoatingNodes;
+  return (coating_node<T>(at) * (1 - w) + coating_node<T>(at + 3) * w) * (1 - v) +
+         (coating_node<T>(below) * (1 - w) + coating_node<T>(below + 3) * w) * v;
 }
 
 // Of kind colors: Schlick's metal with a transmittance that does not depend on the angle; equal

@@ -68,6 +68,12 @@ Coat<T> make_coat(T cos_view, T roughness, T eta) {
   return {reflected, (1 - reflected) / passed};
 }
 
+// Smith's G of one direction.
+template <class T>
+T visible_facets(T square, T cosine) {
+  return 2 * cosine / (cosine + std::sqrt(square + (1 - square) * cosine * cosine));
+}
+
 // The highlight of a binder surface that reflects `reflectance`, per unit of the light's irradiance
 // on a plane normal to it: the light's disc in a mirror, or Walter's GGX microfacets (2007) of
 // roughness alpha, D G/(4 cos(theta)), with Smith's G of both directions apart. The light's solid
@@ -87,11 +93,9 @@ T highlight(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T sin2_half_radius, T a
   const T cos_half = dot(normal, sum) / length(sum);
   const T square = alpha * alpha;
   const T spread = cos_half * cos_half * (square - 1) + 1;
-  const auto visible = [&](T cosine) {
-    return 2 * cosine / (cosine + std::sqrt(square + (1 - square) * cosine * cosine));
-  };
   const T shape = square / std::max(spread * spread, T(1e-20));
-  return reflectance * shape * visible(cos_view) * visible(cos_light) / (4 * pi * cos_view);
+  return reflectance * shape * visible_facets(square, cos_view) *
+         visible_facets(square, cos_light) / (4 * pi * cos_view);
 }
 
 }  // namespace metallic_paint

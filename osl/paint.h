@@ -36,3 +36,25 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
   flakes.coating.thickness_nm = species.coating_nm;
   return flakes;
 }
+
+// `present`: how many of the flakes are made.
+Layer make_layer(Paint given, Flakes flakes[SPECIES], int present)
+{
+  Layer layer;
+  layer.eta = given.binder_ior;
+  layer.species = 1;
+  layer.coverage = flakes[0].coverage;
+  for (int i = 1; i < present; ++i) {
+    if (flakes[i].areal_density > 0.0)
+      layer.species = i + 1;
+    layer.coverage = layer.coverage + flakes[i].coverage;
+  }
+  float rayleigh = 16.7551608 * given.rayleigh_per_mm;
+  float thickness_mm = given.layer_thickness_um * 0.001;
+  layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
+  layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.depth_model = given.depth_model;
+  layer.radiometry = given.radiometry;
+  layer.sparkle_contrast = given.sparkle_contrast;
+  return layer;
+}

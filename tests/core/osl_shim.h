@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 
+#include "noise.h"
+
 namespace osl {
 
 // OSL's color, vector, point and normal.
@@ -65,6 +67,26 @@ inline Triple cross(Triple a, Triple b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+
+inline float dot(Triple a, Triple b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline float length(Triple a) { return sqrt(dot(a, a)); }
+inline Triple noise(const char*, Triple p) {
+  const auto n = metallic_paint::perlin_noise<float>({p[0], p[1], p[2]});
+  return {n.x, n.y, n.z};
+}
+
+inline Triple normalize(Triple a) { return a / length(a); }
+
+// What only a renderer has: no camera and no object here; a closure is its weight.
+inline Triple transform(const char*, Triple p) { return p; }
+inline Triple transform(const char*, const char*, Triple p) { return p; }
+inline Triple Dx(Triple) { return {}; }
+inline Triple Dy(Triple) { return {}; }
+inline int raytype(const char*) { return 0; }
+inline float glossy_toon(Triple, float, float) { return 1; }
+inline float reflection(Triple) { return 1; }
+#define closure
+
 #undef M_PI
 #undef M_PI_2
 #define M_PI 3.14159265f
@@ -76,10 +98,16 @@ inline Triple cross(Triple a, Triple b) {
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wshadow"
 #include "osl/composition.h"
+#include "osl/cones.h"
 #include "osl/flake_lobe.h"
+#include "osl/footprint.h"
 #include "osl/mixture.h"
+#include "osl/orange_peel.h"
+#include "osl/paint.h"
+#include "osl/sound.h"
 #include "osl/sparkles.h"
 #include "osl/texture.h"
 #pragma GCC diagnostic pop
+#undef closure
 
 }  // namespace osl

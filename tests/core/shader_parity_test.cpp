@@ -5,16 +5,24 @@
 // (transforms, closures, folded constants, Blender's own functions) is left to renders.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "composition.h"
+#include "cones.h"
 #include "flake_lobe.h"
+#include "footprint.h"
 #include "light_slots.h"
 #include "mixture.h"
+#include "orange_peel.h"
 #include "osl_shim.h"
 #include "scenes.h"
 #include "sparkles.h"
@@ -62,22 +70,38 @@ std::vector<float> shader_library() {
   return {std::begin(kCoatingLibrary), std::end(kCoatingLibrary)};
 }
 
-osl::Flakes to_osl(const Flakes<float>& core) {
-  osl::Flakes flakes;
-  flakes.areal_density = core.areal_density;
-  flakes.flake_area = core.flake_area;
-  flakes.area_spread = core.area_spread;
-  flakes.area = osl::area_moments(core.area_spread);
-  flakes.coverage = core.coverage;
-  flakes.orientation =
-      osl::make_orientation(static_cast<int>(core.orientation.kind), core.orientation.tilt);
-  flakes.solid_angle = core.solid_angle;
-  flakes.coating.normal_reflectance = to_osl(core.coating.normal_reflectance);
-  flakes.coating.grazing_reflectance = to_osl(core.coating.grazing_reflectance);
-  flakes.coating.transmittance = to_osl(core.coating.transmittance);
-  flakes.coating.kind = static_cast<int>(core.coating.kind);
-  flakes.coating.thickness_nm = core.coating.thickness_nm;
-  return flakes;
+// A struct of the shader's from one of the core's: the table of parameters gives both the same
+// fields in the same order, each of 32 bits or a colour of three.
+class Words {
+ public:
+  void operator()(double x) {
+    words_.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(x)));
+  }
+  void operator()(int x) { words_.push_back(static_cast<std::uint32_t>(x)); }
+  template <class Choice>
+    requires std::is_enum_v<Choice>
+  void operator()(Choice x) {
+    (*this)(static_cast<int>(x));
+  }
+  void operator()(Rgb<double> c) {
+    for (const double x : {c.x, c.y, c.z}) (*this)(x);
+  }
+  template <class Struct>
+  Struct as() const {
+    std::array<std::uint32_t, sizeof(Struct) / 4> words{};
+    EXPECT_EQ(words_.size(), words.size());
+    std::copy_n(words_.begin(), std::min(words_.size(), words.size()), words.begin());
+    return std::bit_cast<Struct>(words);
+  }
+
+ private:
+  std::vector<std::uint32_t> words_;
+};
+
+osl::FlakeSpecies to_osl(const FlakeSpecies& species) {
+  Words words;
+  each_flake_parameter([&](auto, auto member, auto) { words(species.*member); });
+  return words.as<osl::FlakeSpecies>();
 }
 
 struct ShaderPaint {
@@ -85,21 +109,42 @@ struct ShaderPaint {
   std::array<osl::Flakes, kSpecies> flakes;
 };
 
-ShaderPaint to_osl(const Layer<float>& core) {
-  ShaderPaint paint;
-  for (std::size_t i = 0; i < kSpecies; ++i) paint.flakes[i] = to_osl(core.flakes[i]);
-  paint.layer.species = core.species;
-  paint.layer.coverage = core.coverage;
-  paint.layer.eta = core.eta;
-  paint.layer.binder_depth = to_osl(core.binder_depth);
-  paint.layer.rayleigh_depth = core.rayleigh_depth;
-  paint.layer.depth_model = static_cast<int>(core.depth_model);
-  paint.layer.radiometry = static_cast<int>(core.radiometry);
-  paint.layer.sparkle_contrast = core.sparkle_contrast;
-  return paint;
+ShaderPaint to_osl(const Paint& paint) {
+  Words words;
+  each_paint_parameter([&](auto, auto member, auto) { words(paint.*member); });
+  const auto given = words.as<osl::Paint>();
+  ShaderPaint shader;
+  for (int i = 0; i < kSpecies; ++i) {
+    shader.flakes[static_cast<std::size_t>(i)] =
+        osl::make_flakes(to_osl(paint.species(i)), given.binder_ior, given.diffraction);
+  }
+  shader.layer = osl::make_layer(given, shader.flakes, kSpecies);
+  return shader;
+}
+
+void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
+  same("species", shader.species, core.species);
+  same("coverage", shader.coverage, core.coverage);
+  same("eta", shader.eta, core.eta);
+  same("binder_depth", shader.binder_depth, core.binder_depth);
+  same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
+  same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
+  same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
+  same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);
 }
 
 void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
+  same("areal_density", shader.areal_density, core.areal_density);
+  same("flake_area", shader.flake_area, core.flake_area);
+  same("area_spread", shader.area_spread, core.area_spread);
+  same("species' coverage", shader.coverage, core.coverage);
+  same("solid_angle", shader.solid_angle, core.solid_angle);
+  same("normal_reflectance", shader.coating.normal_reflectance, core.coating.normal_reflectance);
+  same("grazing_reflectance", shader.coating.grazing_reflectance, core.coating.grazing_reflectance);
+  same("transmittance", shader.coating.transmittance, core.coating.transmittance);
+  same("coating", shader.coating.kind, static_cast<int>(core.coating.kind));
+  same("coating_nm", shader.coating.thickness_nm, core.coating.thickness_nm);
+  same("tilt", shader.orientation.tilt, core.orientation.tilt);
   same("area.mean", shader.area.mean, core.area.mean);
   same("area.square", shader.area.square, core.area.square);
   same("area.cube", shader.area.cube, core.area.cube);
@@ -140,6 +185,10 @@ ParityScene random_scene(Random& random) {
   // Ordinary paints reach more of the model than those from anywhere.
   scene.paint = random.below(2) == 0 ? any_paint(random) : random_paint(random);
   if (random.below(4) == 0) scene.paint.more[0] = library_species(random, 0.5, 0.2);
+  // The shader lets flakes give back no more than they get; the core refuses those that do.
+  if (max_component(scene.paint.flake_edge_color + scene.paint.flake_transmission) > 1) {
+    scene.paint.flake_transmission = {};
+  }
   scene.point = {Vec3<float>{static_cast<float>(random.uniform(-1, 1)),
                              static_cast<float>(random.uniform(-1, 1)),
                              static_cast<float>(random.uniform(-1, 1))},
@@ -179,7 +228,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const SurfacePoint<float>& point = scene.point;
   float* library = library_values.data();
   const Layer<float> layer = make_layer<float>(paint);
-  const auto [shader_layer, shader_flakes] = to_osl(layer);
+  const auto [shader_layer, shader_flakes] = to_osl(paint);
+  compare(same, shader_layer, layer);
   for (std::size_t i = 0; i < kSpecies; ++i) compare(same, shader_flakes[i], layer.flakes[i]);
 
   const float cos_seen =
@@ -260,6 +310,24 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       same("radiance", all.radiance, core_all.radiance);
       same("mean_radiance", all.mean_radiance, core_all.mean_radiance);
     }
+    // The cone that carries them, and its weight where it is kept.
+    const Rgb<float> shown = core_all.radiance;
+    const float average = (shown.x + shown.y + shown.z) / 3;
+    const float least =
+        std::min(group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]), 1.5f);
+    const float rho = cone_half_angle(average, least, 1.0f);
+    same("rho", osl::cone_half_angle(average, least, 1.0f), rho);
+    const float keep = cone_roulette(average, cone_solid_angle(rho));
+    for (const float deviate : {1e-6f, 0.5f}) {
+      const auto weight =
+          osl::sparkle_cone(to_osl(shown), surface.view, seen[at].direction, rho, deviate);
+      const Rgb<float> whole = shown * cone_solid_angle(rho);
+      if (!(average > 0) || (keep < 1 && deviate > keep)) {
+        same("weight of a cone by lot", weight, {});
+      } else {
+        same("weight of a cone", weight, keep < 1 ? whole / keep : whole);
+      }
+    }
     // Composition.
     const float alpha = static_cast<float>(paint.coat_roughness * paint.coat_roughness);
     const float shine = osl::highlight(surface.n, surface.view, seen[at].direction,
@@ -335,6 +403,38 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
                              visits.crowded, visits.sampled}) {
     EXPECT_GT(visited, scenes / 100) << "seed " << seed;
   }
+}
+
+// Inputs out of range: the nearest end, and for what is no number the default.
+TEST(ShaderParity, InputsAreMadeSound) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float greatest = std::numeric_limits<float>::max();
+  for (const float no_number : {nan, -nan, infinity, -infinity}) {
+    EXPECT_EQ(osl::sound(no_number, 0.5f, 2.0f, 1.5f), 1.5f);
+    const osl::color c =
+        osl::sound(osl::color(no_number, 1, 3), 0.5f, 2.0f, osl::color(1.1f, 1.2f, 1.3f));
+    EXPECT_EQ(c[0], 1.1f);
+    EXPECT_EQ(c[1], 1.0f);
+    EXPECT_EQ(c[2], 2.0f);
+    // OSL's comparison with NaN, which is true, is no C++: renders show it (test_extremes.py).
+    if (std::isnan(no_number)) continue;
+    EXPECT_EQ(osl::sound_normal({no_number, 0, 1}, {0, 1, 0})[1], 1.0f);
+  }
+  for (const float x : {-greatest, -1.0f, 0.0f, 0.4999999f}) {
+    EXPECT_EQ(osl::sound(x, 0.5f, 2.0f, 1.5f), 0.5f) << x;
+  }
+  for (const float x : {2.0000003f, 1e9f, greatest}) {
+    EXPECT_EQ(osl::sound(x, 0.5f, 2.0f, 1.5f), 2.0f) << x;
+  }
+  for (const float x : {0.5f, 0.75f, 2.0f}) EXPECT_EQ(osl::sound(x, 0.5f, 2.0f, 1.5f), x);
+  // Directions of any length have length 1; none is the usual one.
+  for (const float size : {1e-29f, 1e-3f, 7.0f, 1e37f}) {
+    const osl::vector n = osl::sound_normal({0, 3 * size, 4 * size}, {1, 0, 0});
+    EXPECT_NEAR(n[1], 0.6f, 1e-6) << size;
+    EXPECT_NEAR(n[2], 0.8f, 1e-6) << size;
+  }
+  EXPECT_EQ(osl::sound_normal({0, 0, 0}, {1, 0, 0})[0], 1.0f);
 }
 
 }  // namespace
