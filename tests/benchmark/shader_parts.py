@@ -104,7 +104,7 @@ def no_diagnostics(text: str) -> str:
 
 def no_sparkles(text: str) -> str:
     text = cut("  ADD_SLOT(0,", "  // Changes with")(text)
-    return cut("  if (sparkling) {", "  if (Diagnostic == SHOW_PIXEL)")(text)
+    return cut("  if (sparkling) {", "#ifdef DIAGNOSTICS\n  if (Diagnostic == SHOW_PIXEL)")(text)
 
 
 def full_contrast(text: str) -> str:

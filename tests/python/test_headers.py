@@ -23,6 +23,7 @@ ONLY_SHADER = {
     "mixture_rule": "C++ has constant arrays",
     "inner_product": "dot() of core/vector.h",
     "luminance_of": "luminance(), a name that OSL's own library has taken",
+    "is_sound": "a diagnostic",
     "sound": "core/paint.h rejects what a render must take",
     "sound_normal": "likewise",
     "sound_species": "likewise",
@@ -37,7 +38,10 @@ ONLY_CORE = {
     "each_flake_parameter": "for checks and bindings",
     "each_paint_parameter": "for checks and bindings",
 }
-HEADERS_ONLY_SHADER = {"sound.h": "core/validation.h rejects what a render must take"}
+HEADERS_ONLY_SHADER = {
+    "sound.h": "core/validation.h rejects what a render must take",
+    "diagnostics.h": "the shader's inner values as pictures",
+}
 HEADERS_ONLY_CORE = {
     "batch.h": "many pixels",
     "parallel.h": "many pixels",
