@@ -102,13 +102,13 @@ def shade(
 ) -> Shades:
     """The whole paint under up to 8 listed lights in n pixels, on all cores.
 
-    Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others, before
-    the orange peel; object_position (n, 3): where the points lie in their object, in scene units, if
-    not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
+    Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others,
+    before the orange peel; object_position (n, 3): where the points lie in their object, in scene
+    units, if not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
 
     What it says of lights is per unit of their irradiance on a plane normal to them:
-    radiance = shine + coat_rest (sparkles + scattered). 0 where a light is below the surface. A light
-    is narrow against the lobes; its radius counts where a coat without roughness mirrors it.
+    radiance = shine + coat_rest (sparkles + scattered). 0 where a light is below the surface. A
+    light is narrow against the lobes; its radius counts where a coat without roughness mirrors it.
     """
 
 class Reflectances(TypedDict):

@@ -67,7 +67,6 @@ inline Triple cross(Triple a, Triple b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-
 inline float dot(Triple a, Triple b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 inline float length(Triple a) { return sqrt(dot(a, a)); }
 inline Triple noise(const char*, Triple p) {

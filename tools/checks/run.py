@@ -41,7 +41,8 @@ def group(session: str, file: str = "") -> str:
 def cases() -> Iterator[Case]:
     """All that ran, by the reports of nox, pytest and CTest."""
     for session in json.loads(REPORT.read_text())["sessions"]:
-        name, result = session["name"], session["result"]
+        [name] = session["signatures"] or [session["name"]]
+        result = session["result"]
         found = list(_read(name, RESULTS / f"{name}.xml"))
         yield from found
         if result == "skipped":
