@@ -132,8 +132,8 @@ def reflectance(
     """The whole paint under light that is not listed: world, area lights, neighbours.
 
     light (m, 3): unit vectors towards it; places as in shade. reflectance times radiance and solid
-    angle is what that light adds, with the flakes in their mean. A coat without roughness is a mirror
-    besides, about shade's coat_normal. albedo is the integral of both, to 0.003.
+    angle is what that light adds, with the flakes in their mean. A coat without roughness is a
+    mirror besides, about shade's coat_normal. albedo is the integral of both, to 0.003.
     """
 
 class TracedFlakes(TypedDict):
