@@ -4,14 +4,16 @@
 // layer dims what passes it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numbers>
 
-#include "choices.h"
 #include "coating.h"
 #include "flake_area.h"
 #include "optical_thickness.h"
 #include "orientation.h"
+#include "parameters.h"
 #include "vector.h"
 
 namespace metallic_paint {
@@ -30,9 +32,7 @@ struct Flakes {
   Coating<T> coating{};
 };
 
-inline constexpr int kSpecies = 3;
-
-// A paint as the evaluation needs it. SI units; made and checked by `make_layer` (paint.h).
+// A paint as the evaluation needs it. SI units; made by `make_layer`.
 //
 // depth_model: with (attenuated), without (thinned) masking and shadowing (paper, 5.3.2). Which is
 // right the paper left open: against discs that really hide each other (docs/accuracy) attenuated
@@ -55,6 +55,59 @@ struct Layer {
   Radiometry radiometry;
   T sparkle_contrast;  // share of the sparkles' fluctuation that is shown
 };
+
+// At normal incidence a plane mirror of area S turns a plane wave into one that has the brightness
+// S/lambda^2 of its flux per steradian in the middle: that of a cone of solid angle lambda^2/S, pi
+// epsilon^2 = lambda^2/(pi d^2/4). So epsilon = 2 lambda/(pi d), with lambda = 550 nm/eta in the
+// binder; at most 0.5 rad, where d is no longer large against lambda.
+template <class T>
+T diffraction_spread(T diameter_um, T eta) {
+  return std::min(T(0.350140874802169738692L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
+}
+
+template <class T>
+Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffraction) {
+  Flakes<T> flakes;
+  flakes.areal_density = static_cast<T>(species.flakes_per_mm2) * T(1e6);
+  const T diameter_um = static_cast<T>(species.flake_diameter_um);
+  const T diameter = diameter_um * T(1e-6);
+  flakes.flake_area = T(0.785398163397448309616L) * (diameter * diameter);
+  flakes.area_spread = static_cast<T>(species.flake_area_spread);
+  flakes.area = area_moments(flakes.area_spread);
+  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
+  flakes.orientation = make_orientation(species.orientation, static_cast<T>(species.tilt));
+  const T spread = static_cast<T>(species.flake_spread);
+  const T edge = diffraction == Diffraction::disc ? diffraction_spread(diameter_um, eta) : T(0);
+  flakes.solid_angle = std::numbers::pi_v<T> * (spread * spread + edge * edge);
+  flakes.coating = {Rgb<T>(species.flake_color), Rgb<T>(species.flake_edge_color),
+                    Rgb<T>(species.flake_transmission)};
+  flakes.coating.kind = species.coating;
+  flakes.coating.thickness_nm = static_cast<T>(species.coating_nm);
+  return flakes;
+}
+
+// The paint as the evaluation needs it; the operations are the shader's. `paint` must be valid.
+template <class T>
+Layer<T> make_layer(const Paint& paint) {
+  Layer<T> layer;
+  layer.eta = static_cast<T>(paint.binder_ior);
+  layer.species = 1;
+  layer.coverage = 0;
+  for (int i = 0; i < kSpecies; ++i) {
+    Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
+    if (flakes.areal_density > 0) layer.species = i + 1;
+    layer.coverage += flakes.coverage;
+  }
+  const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
+  const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
+  layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
+  layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.depth_model = paint.depth_model;
+  layer.radiometry = paint.radiometry;
+  layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);
+  return layer;
+}
 
 // D H <S> (<s> - <t_p>) of all species: what the flakes take out of a beam, per colour, times its
 // cosine in the binder.

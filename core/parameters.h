@@ -9,10 +9,11 @@
 #include <cstddef>
 
 #include "choices.h"
-#include "layer.h"
 #include "vector.h"
 
 namespace metallic_paint {
+
+inline constexpr int kSpecies = 3;  // of flakes, in a paint
 
 // One species of flakes.
 struct FlakeSpecies {

@@ -3,11 +3,11 @@
 // The paint as the evaluation needs it: see core/layer.h.
 #pragma once
 
-#include "choices.h"
 #include "coating.h"
 #include "flake_area.h"
 #include "optical_thickness.h"
 #include "orientation.h"
+#include "parameters.h"
 
 struct Flakes {
   float areal_density;
@@ -33,6 +33,59 @@ struct Layer {
   int radiometry;
   float sparkle_contrast;
 };
+
+float diffraction_spread(float diameter_um, float eta)
+{
+  return min(0.350140875 / (eta * diameter_um), 0.5);
+}
+
+Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
+{
+  Flakes flakes;
+  flakes.areal_density = species.flakes_per_mm2 * 1e6;
+  float diameter_um = species.flake_diameter_um;
+  float diameter = diameter_um * 1e-6;
+  flakes.flake_area = 0.785398163 * (diameter * diameter);
+  flakes.area_spread = species.flake_area_spread;
+  flakes.area = area_moments(flakes.area_spread);
+  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
+  flakes.orientation = make_orientation(species.orientation, species.tilt);
+  float spread = species.flake_spread;
+  float edge = 0.0;
+  if (diffraction == DIFFRACTION_DISC)
+    edge = diffraction_spread(diameter_um, eta);
+  flakes.solid_angle = M_PI * (spread * spread + edge * edge);
+  // Flakes give back no more than they get: core/paint.h rejects colours that do.
+  color most = color(1.0) - species.flake_transmission;
+  flakes.coating.normal_reflectance = min(species.flake_color, most);
+  flakes.coating.grazing_reflectance = min(species.flake_edge_color, most);
+  flakes.coating.transmittance = species.flake_transmission;
+  flakes.coating.kind = species.coating;
+  flakes.coating.thickness_nm = species.coating_nm;
+  return flakes;
+}
+
+// `present`: how many of the flakes are made.
+Layer make_layer(Paint given, Flakes flakes[SPECIES], int present)
+{
+  Layer layer;
+  layer.eta = given.binder_ior;
+  layer.species = 1;
+  layer.coverage = flakes[0].coverage;
+  for (int i = 1; i < present; ++i) {
+    if (flakes[i].areal_density > 0.0)
+      layer.species = i + 1;
+    layer.coverage = layer.coverage + flakes[i].coverage;
+  }
+  float rayleigh = 16.7551608 * given.rayleigh_per_mm;
+  float thickness_mm = given.layer_thickness_um * 0.001;
+  layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
+  layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.depth_model = given.depth_model;
+  layer.radiometry = given.radiometry;
+  layer.sparkle_contrast = given.sparkle_contrast;
+  return layer;
+}
 
 color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {

@@ -102,7 +102,6 @@ inline float reflection(Triple) { return 1; }
 #include "osl/footprint.h"
 #include "osl/mixture.h"
 #include "osl/orange_peel.h"
-#include "osl/paint.h"
 #include "osl/sound.h"
 #include "osl/sparkles.h"
 #include "osl/texture.h"
