@@ -26,7 +26,7 @@
 //   quarter cone's radius, in tilts         up to 1/16    1/4     1      2
 //   beta up to 3 tilts, root mean square       0.3 %      1 %    6 %   12 %
 //   the same, worst of 100,000 scenes            2 %      9 %   52 %   49 %
-//   any beta, worst as a share of the mean
+//   beta up to 6 tilts, worst as a share of the mean
 //   in the mirror direction                      2 %      8 %   20 %   35 %
 // (tests/core/sparkles_test.cpp). The worst is found where few flakes are; a cap as wide as the
 // ellipse along beta is no nearer. What it means for counts: tests/core/explicit_flakes_test.cpp.
