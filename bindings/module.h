@@ -7,10 +7,13 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <type_traits>
 #include <vector>
+
+#include "vector.h"
 
 void bind_paint(pybind11::module_& module);
 void bind_light(pybind11::module_& module);
@@ -24,12 +27,25 @@ void bind_reference_walk(pybind11::module_& module);
 template <class T>
 using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
 
-// What comes in from Python (input.cpp). All of these throw ValueError with a sentence that names
-// the field, its value and what it must be.
+// What comes in from Python (input.cpp). Values are rejected by a ValueError, arguments of a wrong
+// class by a TypeError, with a sentence that names the argument, what was given and what it must be.
+inline constexpr const char* kInt32 = "a whole number from -2^31 to 2^31 - 1";
+inline constexpr const char* kNumber = "a number";
+inline constexpr const char* kThreeNumbers = "three numbers";
+
 [[noreturn]] void reject(const std::string& field, pybind11::handle value,
                          const std::string& range);
-Array<double> numbers(const char* field, pybind11::handle value);
+[[noreturn]] void reject_type(const std::string& argument, pybind11::handle value,
+                              const std::string& wanted);
+
+// Numbers are booleans, whole numbers and floats of any precision and byte order, and Python's own
+// kinds of number, as float64; nothing masked, nothing complex, no None and no texts.
+double number(const std::string& field, pybind11::handle value, const char* range = kNumber);
+metallic_paint::Vec3<double> three_numbers(const char* field, pybind11::handle value);
+Array<double> numbers(const char* field, pybind11::handle value,
+                      const char* range = "an array of numbers");
 Array<std::int32_t> whole_numbers(const char* field, pybind11::handle value);
+
 void require_shape(const char* field, const pybind11::array& array,
                    const std::vector<pybind11::ssize_t>& shape);
 void require_one_dimension(const char* field, const pybind11::array& array);
@@ -38,15 +54,26 @@ void require_broadcast(const char* fields, const std::vector<pybind11::array>& a
 
 template <class T>
 T from_python(const char* field, pybind11::handle value, const char* range) {
-  // pybind11 would cut off the fraction of what is neither an int nor a float.
-  if (std::is_integral_v<T> && PyIndex_Check(value.ptr()) == 0) reject(field, value, range);
-  try {
-    return value.cast<T>();
-  } catch (const pybind11::cast_error&) {
-    reject(field, value, range);
+  if constexpr (std::is_same_v<T, double>) {
+    return number(field, value, range);
+  } else if constexpr (std::is_same_v<T, std::array<double, 3>>) {
+    const metallic_paint::Vec3<double> v = three_numbers(field, value);
+    return {v.x, v.y, v.z};
+  } else {
+    // pybind11 would cut off the fraction of what is neither an int nor a float.
+    if (std::is_integral_v<T> && PyIndex_Check(value.ptr()) == 0) reject(field, value, range);
+    try {
+      return value.cast<T>();
+    } catch (const pybind11::cast_error&) {
+      reject(field, value, range);
+    }
   }
 }
 
-inline constexpr const char* kInt32 = "a whole number from -2^31 to 2^31 - 1";
-inline constexpr const char* kNumber = "a number";
-inline constexpr const char* kThreeNumbers = "three numbers";
+// The object of the core behind an argument; it lives as long as Python's.
+template <class Class>
+const Class& object_of(const std::string& argument, pybind11::handle value) {
+  if (pybind11::isinstance<Class>(value)) return value.cast<const Class&>();
+  const auto name = pybind11::type::of<Class>().attr("__name__").template cast<std::string>();
+  reject_type(argument, value, "a " + name);
+}
