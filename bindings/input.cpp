@@ -41,7 +41,8 @@ bool holds_masked(py::handle value, py::handle masked_array, int depth = 0) {
 // numpy would take what lies behind a mask for numbers.
 void reject_masked(const std::string& field, py::handle value) {
   if (!holds_masked(value, py::module_::import("numpy.ma").attr("MaskedArray"))) return;
-  reject(field, value, "without a mask: numpy.ma.filled puts numbers in the place of what it hides");
+  reject(field, value,
+         "without a mask: numpy.ma.filled puts numbers in the place of what it hides");
 }
 
 // Booleans, whole numbers and floats; not complex numbers, texts or dates.
@@ -173,5 +174,6 @@ void require_broadcast(const char* fields, const std::vector<py::array>& arrays)
 }
 
 void reject_type(const std::string& argument, py::handle value, const std::string& wanted) {
-  throw py::type_error(argument + " is of the type " + type_name(value) + ", but must be " + wanted);
+  throw py::type_error(argument + " is of the type " + type_name(value) + ", but must be " +
+                       wanted);
 }

@@ -28,7 +28,8 @@ template <class T>
 using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
 
 // What comes in from Python (input.cpp). Values are rejected by a ValueError, arguments of a wrong
-// class by a TypeError, with a sentence that names the argument, what was given and what it must be.
+// class by a TypeError, with a sentence that names the argument, what was given and what it must
+// be.
 inline constexpr const char* kInt32 = "a whole number from -2^31 to 2^31 - 1";
 inline constexpr const char* kNumber = "a number";
 inline constexpr const char* kThreeNumbers = "three numbers";

@@ -13,6 +13,8 @@
 
 namespace metallic_paint::reference {
 
+inline double square(double x) { return x * x; }
+
 // ---------------------------------------------------------------------------------------------
 // The surface of the binder. eta: of the far side relative to the near side.
 
