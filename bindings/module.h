@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <stop_token>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -22,6 +24,15 @@ void bind_shade(pybind11::module_& module);
 void bind_functions(pybind11::module_& module);
 void bind_explicit_flakes(pybind11::module_& module);
 void bind_reference_walk(pybind11::module_& module);
+
+// Calls work(stop) without the interpreter's lock, and stops it when a signal's handler raises, as
+// that of Ctrl-C does: that exception comes out of here once no thread is left (interrupt.cpp).
+void interruptible(const std::function<void(const std::stop_token&)>& work);
+
+// Lets a loop that holds the lock be interrupted; cheap enough for each element.
+inline void look_for_signals() {
+  if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+}
 
 // A contiguous array of T.
 template <class T>

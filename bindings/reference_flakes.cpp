@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,18 +22,22 @@ constexpr std::array<std::pair<std::string_view, Shadowing>, 4> kShadowings{
      {"thinned", Shadowing::thinned},
      {"discs", Shadowing::discs}}};
 
+// The same memory as an array of doubles.
+template <class T>
+py::array_t<double> array_of(std::vector<T> values, const std::vector<py::ssize_t>& shape) {
+  auto kept = std::make_unique<std::vector<T>>(std::move(values));
+  const auto* first = reinterpret_cast<const double*>(kept->data());
+  const py::capsule owner(kept.get(), [](void* all) { delete static_cast<std::vector<T>*>(all); });
+  kept.release();
+  return py::array_t<double>(shape, first, owner);
+}
+
 Shadowing shadowing_of(const std::string& name) {
   for (const auto& [known, shadowing] : kShadowings) {
     if (name == known) return shadowing;
   }
   throw py::value_error("shadowing is '" + name +
                         "', but must be 'none', 'attenuated', 'thinned' or 'discs'");
-}
-
-Vec3<double> direction(const char* field, py::handle value) {
-  const Array<double> v = numbers(field, value);
-  require_shape(field, v, {3});
-  return {v.at(0), v.at(1), v.at(2)};
 }
 
 py::array_t<double> rgb(Rgb<double> value) {
@@ -42,13 +47,13 @@ py::array_t<double> rgb(Rgb<double> value) {
   return array;
 }
 
-py::dict explicit_flakes(const Paint& paint, py::handle view, py::handle light,
+py::dict explicit_flakes(py::handle paint, py::handle view, py::handle light,
                          py::handle light_radius, py::handle footprint, py::handle pixels,
                          const std::string& shadowing, py::handle points, py::handle seed) {
   ExplicitScene scene;
-  scene.paint = paint;
-  scene.view = direction("view", view);
-  scene.light = direction("light", light);
+  scene.paint = object_of<Paint>("paint", paint);
+  scene.view = three_numbers("view", view);
+  scene.light = three_numbers("light", light);
   scene.light_radius = from_python<double>("light_radius", light_radius, kNumber);
   scene.footprint = from_python<double>("footprint", footprint, kNumber);
   const int count = from_python<int>("pixels", pixels, kInt32);
@@ -58,22 +63,14 @@ py::dict explicit_flakes(const Paint& paint, py::handle view, py::handle light,
   scene.points = from_python<int>("points", points, kInt32);
   scene.seed = static_cast<std::uint64_t>(from_python<int>("seed", seed, kInt32));
   ExplicitResult traced;
-  {
-    const py::gil_scoped_release released;
-    traced = trace_explicit_flakes(scene);
-  }
+  interruptible([&](const std::stop_token& stop) { traced = trace_explicit_flakes(scene, stop); });
+  static_assert(sizeof(Rgb<double>) == 3 * sizeof(double));
   const auto n = static_cast<py::ssize_t>(traced.count.size());
-  py::array_t<double> counts(n, traced.count.data()), radiance({n, py::ssize_t{3}});
-  for (std::size_t i = 0; i < traced.radiance.size(); ++i) {
-    double* row = radiance.mutable_data(static_cast<py::ssize_t>(i), 0);
-    row[0] = traced.radiance[i].x, row[1] = traced.radiance[i].y, row[2] = traced.radiance[i].z;
-  }
   py::dict all;
-  all["count"] = counts;
-  all["radiance"] = radiance;
+  all["count"] = array_of(std::move(traced.count), {n});
+  all["radiance"] = array_of(std::move(traced.radiance), {n, 3});
   all["flakes"] = traced.flakes;
-  all["sparkles"] =
-      py::array_t<double>(static_cast<py::ssize_t>(traced.sparkles.size()), traced.sparkles.data());
+  all["sparkles"] = py::array_t<double>(kSpecies, traced.sparkles.data());
   all["mean_share"] = rgb(traced.mean_share);
   all["mean_square_share"] = rgb(traced.mean_square_share);
   return all;

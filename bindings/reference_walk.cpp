@@ -16,8 +16,6 @@ using reference::Estimate;
 
 namespace {
 
-using Triple = std::array<double, 3>;
-
 // Estimates as the arrays `name` and `name`_error of the shape (*shape, 3).
 void store(py::dict& all, const std::string& name, const std::vector<Estimate>& values,
            std::vector<py::ssize_t> shape) {
@@ -48,15 +46,13 @@ void store(py::dict& all, const std::string& name, const std::vector<ByComponent
   store_each("_mixture", part(reference::mixture));
 }
 
-py::dict random_walk(const Paint& paint, py::handle light, py::handle substrate,
-                     py::handle detectors, py::handle photons, py::handle theta_bins,
-                     py::handle phi_bins, py::handle seed) {
-  const Triple l = from_python<Triple>("light", light, kThreeNumbers);
-  const Triple s = from_python<Triple>("substrate", substrate, kThreeNumbers);
+py::dict random_walk(py::handle paint, py::handle light, py::handle substrate, py::handle detectors,
+                     py::handle photons, py::handle theta_bins, py::handle phi_bins,
+                     py::handle seed) {
   reference::WalkScene scene;
-  scene.paint = paint;
-  scene.light = {l[0], l[1], l[2]};
-  scene.substrate = {s[0], s[1], s[2]};
+  scene.paint = object_of<Paint>("paint", paint);
+  scene.light = three_numbers("light", light);
+  scene.substrate = three_numbers("substrate", substrate);
   if (!detectors.is_none()) {
     const Array<double> rows = numbers("detectors", detectors);
     require_rows_of_3("detectors", rows);
@@ -69,10 +65,8 @@ py::dict random_walk(const Paint& paint, py::handle light, py::handle substrate,
   scene.phi_bins = from_python<int>("phi_bins", phi_bins, kInt32);
   scene.seed = from_python<std::uint64_t>("seed", seed, "a whole number from 0 to 2^64 - 1");
 
-  const reference::WalkResult result = [&] {
-    const py::gil_scoped_release released;
-    return reference::walk(scene);
-  }();
+  reference::WalkResult result;
+  interruptible([&](const std::stop_token& stop) { result = reference::walk(scene, stop); });
   py::dict all;
   all["specular"] = result.specular;
   store(all, "albedo", std::vector<ByComponent>{result.albedo}, {});

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "light_slots.h"
@@ -40,10 +41,11 @@ struct PixelResults {
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference.
-// The counts are those of `species`.
+// The counts are those of `species`. Once `stop` is requested, the rest of the results stays unset.
 template <class T>
 void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
-                     std::size_t species, const PixelBatch& batch, const PixelResults& results) {
+                     std::size_t species, const PixelBatch& batch, const PixelResults& results,
+                     const std::stop_token& stop = {}) {
   const Layer<T> layer = make_layer<T>(paint);
   std::vector<Light<T>> slots;
   for (const Light<double>& light : lights) {
@@ -58,7 +60,7 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
     array[3 * i + 1] = static_cast<double>(value.y);
     array[3 * i + 2] = static_cast<double>(value.z);
   };
-  parallel_for(batch.size, [&](std::size_t i) {
+  const auto evaluate_pixel = [&](std::size_t i) {
     const SurfacePoint<T> point{vector_at(batch.position, i), vector_at(batch.normal, i),
                                 vector_at(batch.view, i),     static_cast<T>(batch.footprint[i]),
                                 batch.pixel[2 * i],           batch.pixel[2 * i + 1]};
@@ -94,7 +96,8 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
       store(results.mean_radiance, at, all.mean_radiance);
       store(results.variance, at, all.variance);
     }
-  });
+  };
+  parallel_for(batch.size, evaluate_pixel, 1024, stop);
 }
 
 }  // namespace metallic_paint

@@ -17,6 +17,7 @@ namespace metallic_paint::reference {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr std::int64_t kTilesAtOnce = 1 << 16;
 
 struct Sums {
   double flakes = 0;
@@ -26,10 +27,11 @@ struct Sums {
 
 class Tracer {
  public:
-  explicit Tracer(const ExplicitScene& scene)
+  Tracer(const ExplicitScene& scene, const std::stop_token& stop)
       : scene_(scene),
         plane_(scene.paint, scene.footprint, scene.pixels, scene.seed),
         beams_(scene),
+        stop_(stop),
         binder_depth_(absorption_depth(scene.paint) + grey(rayleigh_depth(scene.paint))) {
     const bool by_mean =
         scene.shadowing == Shadowing::attenuated || scene.shadowing == Shadowing::thinned;
@@ -46,6 +48,7 @@ class Tracer {
   const ExplicitScene& scene_;
   FlakePlane plane_;
   ViewAndLight beams_;
+  const std::stop_token& stop_;
   std::optional<MeanShadowing> mean_shadowing_;  // where it is by their mean
   Rgb<double> binder_depth_;                     // of the whole layer, straight down
 };
@@ -70,7 +73,7 @@ void Tracer::trace_flake(Cell home, std::uint64_t index, Flake flake, std::size_
   Rgb<double> binder = dimmed(absorbed);
   if (scene_.shadowing == Shadowing::discs) {
     share = visible_share(plane_, beams_.view_in, met.towards, home, index, flake, area,
-                          scene_.points, random);
+                          scene_.points, random, stop_);
   } else if (mean_shadowing_) {
     share = dimmed(mean_shadowing_->depth(met.towards.z) + absorbed);
     binder = {1, 1, 1};
@@ -107,6 +110,7 @@ void Tracer::trace_tile(std::int64_t tile, ExplicitResult& result, Sums& sums) c
   const std::int64_t y = tile / plane_.columns * plane_.cells_per_side;
   for (std::int64_t row = 0; row < plane_.cells_per_side; ++row) {
     for (std::int64_t column = 0; column < plane_.cells_per_side; ++column) {
+      if (stop_.stop_requested()) return;
       const Cell cell{x + column, y + row};
       plane_.visit_cell(cell, [&](const Flake& flake, std::uint64_t index) {
         const std::size_t pixel = pixel_of(flake);
@@ -121,17 +125,21 @@ ExplicitResult Tracer::trace() const {
   result.count.resize(scene_.pixels);
   result.radiance.resize(scene_.pixels);
   if (!beams_.seen) return result;
-  std::vector<Sums> sums(static_cast<std::size_t>(plane_.tiles));
-  parallel_for(
-      sums.size(),
-      [&](std::size_t tile) { trace_tile(static_cast<std::int64_t>(tile), result, sums[tile]); },
-      1);
+  // Tiles are added up in their order, so that the cores, however many, round alike.
   Sums all;
-  for (const Sums& tile : sums) {
-    all.flakes += tile.flakes;
-    for (std::size_t i = 0; i < kSpecies; ++i) all.sparkles[i] += tile.sparkles[i];
-    all.share = all.share + tile.share;
-    all.square_share = all.square_share + tile.square_share;
+  for (std::int64_t first = 0; first < plane_.tiles; first += kTilesAtOnce) {
+    std::vector<Sums> sums(static_cast<std::size_t>(std::min(kTilesAtOnce, plane_.tiles - first)));
+    const auto trace_one = [&](std::size_t i) {
+      trace_tile(first + static_cast<std::int64_t>(i), result, sums[i]);
+    };
+    parallel_for(sums.size(), trace_one, 1, stop_);
+    if (stop_.stop_requested()) break;
+    for (const Sums& tile : sums) {
+      all.flakes += tile.flakes;
+      for (std::size_t i = 0; i < kSpecies; ++i) all.sparkles[i] += tile.sparkles[i];
+      all.share = all.share + tile.share;
+      all.square_share = all.square_share + tile.square_share;
+    }
   }
   result.flakes = all.flakes;
   result.sparkles = all.sparkles;
@@ -182,9 +190,9 @@ void validate(const ExplicitScene& scene) {
   }
 }
 
-ExplicitResult trace_explicit_flakes(const ExplicitScene& scene) {
+ExplicitResult trace_explicit_flakes(const ExplicitScene& scene, const std::stop_token& stop) {
   validate(scene);
-  return Tracer(scene).trace();
+  return Tracer(scene, stop).trace();
 }
 
 }  // namespace metallic_paint::reference

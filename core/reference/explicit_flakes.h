@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "../paint.h"
@@ -57,7 +58,8 @@ struct ExplicitResult {
 // Throws std::invalid_argument with a sentence that names the field, its value and its range.
 void validate(const ExplicitScene& scene);
 
-// On all cores; the same for a seed whatever their number.
-ExplicitResult trace_explicit_flakes(const ExplicitScene& scene);
+// On all cores; the same for a seed whatever their number. Soon after `stop` is requested it comes
+// back with a result that means nothing.
+ExplicitResult trace_explicit_flakes(const ExplicitScene& scene, const std::stop_token& stop = {});
 
 }  // namespace metallic_paint::reference

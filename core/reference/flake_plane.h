@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "optics.h"
@@ -53,10 +54,11 @@ class FlakePlane {
   void visit_cell(Cell cell, const Visit& visit) const;
 
   // Calls visit(flake, index, whether at home) for all flakes centred within `margin` of the
-  // segment, seen from above. Positions count from the corner of the cell `home`.
+  // segment, seen from above, or leaves off when `stop` is requested. Positions count from the
+  // corner of the cell `home`.
   template <class Visit>
   void visit_along(Cell home, Vec3<double> from, Vec3<double> way, double margin,
-                   const Visit& visit) const;
+                   const std::stop_token& stop, const Visit& visit) const;
 
   std::vector<Species> species{};
   double thickness;
@@ -91,7 +93,7 @@ void FlakePlane::visit_cell(Cell at, const Visit& visit) const {
 
 template <class Visit>
 void FlakePlane::visit_along(Cell home, Vec3<double> from, Vec3<double> way, double margin,
-                             const Visit& visit) const {
+                             const std::stop_token& stop, const Visit& visit) const {
   const auto cell_at = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell)); };
   const std::int64_t last = cell_at(std::max(from.y, from.y + way.y) + margin);
   for (std::int64_t row = cell_at(std::min(from.y, from.y + way.y) - margin); row <= last; ++row) {
@@ -105,7 +107,8 @@ void FlakePlane::visit_along(Cell home, Vec3<double> from, Vec3<double> way, dou
     }
     const double x0 = from.x + way.x * begin, x1 = from.x + way.x * end;
     const std::int64_t right = cell_at(std::max(x0, x1) + margin);
-    for (std::int64_t column = cell_at(std::min(x0, x1) - margin); column <= right; ++column) {
+    for (std::int64_t column = cell_at(std::min(x0, x1) - margin);
+         column <= right && !stop.stop_requested(); ++column) {
       const Vec3<double> corner{static_cast<double>(column) * cell, static_cast<double>(row) * cell,
                                 0};
       visit_cell({home.x + column, home.y + row}, [&](Flake flake, std::uint64_t index) {

@@ -66,7 +66,7 @@ struct Detector {
 struct Tally {
   std::array<Rgb<double>, kComponents> albedo{};
   Rgb<double> absorbed{}, truncated{};
-  std::size_t photons = 0, truncated_walks = 0;
+  std::size_t photons = 0, truncated_walks = 0, steps = 0;
   std::vector<std::array<Rgb<double>, kComponents>> brdf;
   std::vector<Rgb<double>> bins;
 };
@@ -74,10 +74,11 @@ struct Tally {
 class Walker {
  public:
   Walker(const Medium& medium, const WalkScene& scene, const std::vector<Detector>& detectors,
-         std::size_t batch)
+         std::size_t batch, const std::stop_token& stop)
       : medium_(medium),
         scene_(scene),
         detectors_(detectors),
+        stop_(stop),
         random_(RandomStream(scene.seed).substream(batch)) {
     tally_.brdf.resize(detectors.size());
     tally_.bins.resize(static_cast<std::size_t>(scene.theta_bins * scene.phi_bins));
@@ -87,7 +88,7 @@ class Walker {
   Tally walk(Vec3<double> d, std::size_t photons) {
     tally_.photons = photons;
     if (d.z == 0) return tally_;
-    for (std::size_t i = 0; i < photons; ++i) walk(d);
+    for (std::size_t i = 0; i < photons && !stop_.stop_requested(); ++i) walk(d);
     return tally_;
   }
 
@@ -99,7 +100,8 @@ class Walker {
     weight_ = grey(1.0);
     component_ = kNothing;
     for (std::size_t i = 0; i < kMostScatterings; ++i) {
-      if (!step() || !survives()) return;
+      ++tally_.steps;
+      if (stop_.stop_requested() || !step() || !survives()) return;
     }
     tally_.truncated = tally_.truncated + weight_;
     ++tally_.truncated_walks;
@@ -253,6 +255,7 @@ class Walker {
   const Medium& medium_;
   const WalkScene& scene_;
   const std::vector<Detector>& detectors_;
+  const std::stop_token& stop_;
   Tally tally_;
   RandomStream random_;
   double depth_ = 0;
@@ -323,7 +326,7 @@ void validate(const WalkScene& scene) {
   }
 }
 
-WalkResult walk(const WalkScene& scene) {
+WalkResult walk(const WalkScene& scene, const std::stop_token& stop) {
   validate(scene);
   const Medium medium(scene.paint);
   std::vector<Detector> detectors;
@@ -336,19 +339,21 @@ WalkResult walk(const WalkScene& scene) {
 
   const std::size_t batches = std::min(kBatches, scene.photons);
   std::vector<Tally> tallies(batches);
-  parallel_for(
-      batches,
-      [&](std::size_t i) {
-        const std::size_t photons = scene.photons * (i + 1) / batches - scene.photons * i / batches;
-        tallies[i] = Walker(medium, scene, detectors, i).walk(entry.direction * -1.0, photons);
-      },
-      1);
+  const auto walk_batch = [&](std::size_t i) {
+    const std::size_t photons = scene.photons * (i + 1) / batches - scene.photons * i / batches;
+    tallies[i] = Walker(medium, scene, detectors, i, stop).walk(entry.direction * -1.0, photons);
+  };
+  parallel_for(batches, walk_batch, 1, stop);
+  if (stop.stop_requested()) return result;
 
   const auto share = [&](const auto& value) { return estimate(tallies, entered, value); };
   result.albedo = by_component(tallies, entered, [](const Tally& t) { return t.albedo; });
   result.absorbed = share([](const Tally& t) { return t.absorbed; });
   result.truncated = share([](const Tally& t) { return t.truncated; });
-  for (const Tally& tally : tallies) result.truncated_walks += tally.truncated_walks;
+  for (const Tally& tally : tallies) {
+    result.truncated_walks += tally.truncated_walks;
+    result.steps += tally.steps;
+  }
   for (std::size_t i = 0; i < detectors.size(); ++i) {
     result.brdf.push_back(
         by_component(tallies, entered, [i](const Tally& t) { return t.brdf[i]; }));

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "../paint.h"
@@ -56,6 +57,7 @@ struct WalkResult {
   Estimate absorbed;                // share absorbed by flakes, binder and substrate
   Estimate truncated;               // share still under way after kMostScatterings, and
   std::size_t truncated_walks = 0;  // the photons that carried it
+  std::size_t steps = 0;            // of all photons, from one event to the next
   std::vector<ByComponent> brdf;    // 1/sr, towards each detector, without the specular
   std::vector<Estimate> bins;       // share that comes back into each bin, row by row of theta
 };
@@ -66,7 +68,8 @@ inline constexpr std::size_t kMostScatterings = 1'000'000;
 // range.
 void validate(const WalkScene& scene);
 
-// On all cores; the result depends on the scene alone.
-WalkResult walk(const WalkScene& scene);
+// On all cores; the result depends on the scene alone. Soon after `stop` is requested it comes back
+// with a result that means nothing.
+WalkResult walk(const WalkScene& scene, const std::stop_token& stop = {});
 
 }  // namespace metallic_paint::reference

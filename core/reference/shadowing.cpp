@@ -22,14 +22,15 @@ struct DiscPoint {
 // Dims each point of a flake by the discs between it and the surface along `direction`. A way is
 // followed sideways for a thousand layers at most.
 void shadow(const FlakePlane& plane, Cell home, std::uint64_t own_index, const Flake& own,
-            double radius, Vec3<double> direction, std::vector<DiscPoint>& points) {
+            double radius, Vec3<double> direction, std::vector<DiscPoint>& points,
+            const std::stop_token& stop) {
   const double deepest = -own.position.z + radius;
   const double limit = 1e3 * (plane.thickness + plane.widest_radius);
   const double sideways = std::sqrt(square(direction.x) + square(direction.y));
   double full = deepest / direction.z;
   if (sideways * full > limit) full = limit / sideways;
   const double margin = radius + plane.widest_radius;
-  plane.visit_along(home, own.position, direction * full, margin,
+  plane.visit_along(home, own.position, direction * full, margin, stop,
                     [&](const Flake& other, std::uint64_t index, bool at_home) {
                       if (at_home && index == own_index) return;
                       RandomStream rest = other.rest;
@@ -97,7 +98,7 @@ Rgb<double> MeanShadowing::depth(double cos_light) const {
 
 Rgb<double> visible_share(const FlakePlane& plane, Vec3<double> view_in, Vec3<double> towards_light,
                           Cell home, std::uint64_t index, const Flake& flake, double area,
-                          int count, RandomStream& random) {
+                          int count, RandomStream& random, const std::stop_token& stop) {
   const double radius = std::sqrt(area / kPi);
   const Frame frame = frame_of(flake.normal);
   const Spiral spiral(count, random);
@@ -108,8 +109,8 @@ Rgb<double> visible_share(const FlakePlane& plane, Vec3<double> view_in, Vec3<do
         {flake.position + frame.a * (r * std::cos(angle)) + frame.b * (r * std::sin(angle)),
          {1, 1, 1}});
   }
-  shadow(plane, home, index, flake, radius, view_in, points);
-  shadow(plane, home, index, flake, radius, towards_light, points);
+  shadow(plane, home, index, flake, radius, view_in, points, stop);
+  shadow(plane, home, index, flake, radius, towards_light, points, stop);
   Rgb<double> sum{};
   for (const DiscPoint& point : points) sum = sum + point.visible;
   return sum / static_cast<double>(count);

@@ -3,6 +3,7 @@
 // How the flakes of a plane dim one of them, on the way from it to the observer and to the light.
 #pragma once
 
+#include <stop_token>
 #include <vector>
 
 #include "flake_plane.h"
@@ -33,6 +34,6 @@ class MeanShadowing {
 // as a mean over `points` points of it. home, index: where it is in the plane.
 Rgb<double> visible_share(const FlakePlane& plane, Vec3<double> view_in, Vec3<double> towards_light,
                           Cell home, std::uint64_t index, const Flake& flake, double area,
-                          int points, RandomStream& random);
+                          int points, RandomStream& random, const std::stop_token& stop);
 
 }  // namespace metallic_paint::reference
