@@ -57,7 +57,7 @@ py::dict explicit_flakes(py::handle paint, py::handle view, py::handle light,
   scene.light_radius = from_python<double>("light_radius", light_radius, kNumber);
   scene.footprint = from_python<double>("footprint", footprint, kNumber);
   const int count = from_python<int>("pixels", pixels, kInt32);
-  if (count < 0) reject("pixels", pixels, "from 1 to 2^26");
+  if (count < 0) reject("pixels", pixels, "from 1 to 2^24");
   scene.pixels = static_cast<std::size_t>(count);
   scene.shadowing = shadowing_of(shadowing);
   scene.points = from_python<int>("points", points, kInt32);

@@ -12,6 +12,7 @@
 #include "optics.h"
 #include "shadowing.h"
 #include "view_and_light.h"
+#include "work.h"
 
 namespace metallic_paint::reference {
 namespace {
@@ -151,6 +152,50 @@ ExplicitResult Tracer::trace() const {
   return result;
 }
 
+// ---------------------------------------------------------------------------------------------
+// The work.
+
+constexpr double kMostNear = 1e8;
+
+// Centred near enough to a flake's ways to the observer and to the light to be looked at, in a
+// layer of flakes of the largest size.
+double flakes_on_both_ways(const ExplicitScene& scene, const ViewAndLight& beams) {
+  if (scene.shadowing != Shadowing::discs) return 0;
+  double widest = 0;
+  for (int i = 0; i < kSpecies; ++i) {
+    const FlakeSpecies& flakes = scene.paint.species(i);
+    if (flakes.flakes_per_mm2 > 0) widest = std::max(widest, largest_radius(flakes));
+  }
+  const double thickness = scene.paint.layer_thickness_um * 1e-6;
+  double area = 0;
+  for (const double cosine : {beams.view_in.z, beams.least_cosine}) {
+    const double farthest = 1e3 * (thickness + widest);  // as shadow() follows it
+    const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+    const double sideways = std::min(thickness * sine / std::max(cosine, 1e-9), farthest);
+    area += 4 * widest * (sideways + 4 * widest);
+  }
+  return flakes_per_m2(scene.paint) * area;
+}
+
+// On average. A flake's mirrored ray has the density p(n)/(4 cos(alpha)) per solid angle, and p is
+// largest along the paint's normal.
+double most_steps_of_a_flake(const ExplicitScene& scene, const ViewAndLight& beams, double near) {
+  double sparkling = 0, spread = 0;
+  for (const Population& some : populations(scene.paint)) {
+    const double reach = some.spread + std::sqrt(beams.light_chord2);
+    const double half = (std::acos(std::min(dot(beams.view_in, beams.light_in), 1.0)) + reach) / 2;
+    const double cap = kPi * square(reach) / (4 * std::cos(std::min(half, kPi / 2)));
+    const bool within = beams.eta >= 1 && beams.light_in.z > 0 && half < kPi / 2;
+    sparkling =
+        std::max(sparkling, within ? std::min(some.normals.density({0, 0, 1}) * cap, 1.0) : 1.0);
+    spread = std::max(spread, some.spread);
+  }
+  const double met = spread > 0 ? beams.light_points : 1;
+  const double shaded =
+      scene.shadowing == Shadowing::discs ? scene.points + near * (1.0 + scene.points) : 0;
+  return 1 + sparkling * (met + shaded);
+}
+
 }  // namespace
 
 void validate(const ExplicitScene& scene) {
@@ -158,36 +203,33 @@ void validate(const ExplicitScene& scene) {
   require_unit("view", scene.view);
   require_unit("light", scene.light);
   require_range("light_radius", scene.light_radius, 0, kPi / 2, " rad");
-  double widest = 0;
   for (int i = 0; i < kSpecies; ++i) {
     const FlakeSpecies& flakes = scene.paint.species(i);
     if (i > 0 && !(flakes.flakes_per_mm2 > 0)) continue;
-    widest = std::max(widest, largest_radius(flakes));
     const double width = scene.light_radius + flake_spread(scene.paint, flakes);
     if (!(width > 0)) reject("light_radius + flake_spread", width, "above 0 rad for each species");
   }
   require_range("footprint", scene.footprint, 1e-20, 1e6, " m2");
   const auto pixels = static_cast<double>(scene.pixels);
-  require_range("pixels", pixels, 1, 0x1p26);
+  require_range("pixels", pixels, 1, 0x1p24);
   require_range("points", scene.points, 1, 65536);
   const auto shadowing = static_cast<int>(scene.shadowing);
   if (shadowing < 0 || shadowing > 3) {
     reject("shadowing", shadowing, "0 (none), 1 (attenuated), 2 (thinned) or 3 (discs)");
   }
-  const double density = flakes_per_m2(scene.paint);
-  const double flakes = density * scene.footprint * pixels;
-  if (flakes > 1e12) reject("number of flakes in all pixels", flakes, "at most 1e12");
-  if (scene.shadowing != Shadowing::discs) return;
-  const Vec3<double> view_in = refracted(scene.view, scene.paint.binder_ior);
-  const double beam = view_in.z > 0
-                          ? scene.paint.layer_thickness_um * 1e-6 *
-                                std::sqrt(square(view_in.x) + square(view_in.y)) / view_in.z
-                          : 0;
-  const double near = density * 4 * widest * (beam + 4 * widest);
-  if (near > 1e8) {
-    reject("number of flakes near a sparkle's way to the surface", near,
-           "at most 1e8 with the shadowing of discs");
+  const double flakes = flakes_per_m2(scene.paint) * scene.footprint * pixels;
+  if (flakes > kMostSteps) {
+    reject("number of flakes in all pixels", flakes, "at most " + text(kMostSteps));
   }
+  const ViewAndLight beams(scene);
+  if (!beams.seen) return;
+  const double near = flakes_on_both_ways(scene, beams);
+  if (near > kMostNear) {
+    reject("number of flakes near a sparkle's way to the surface", near,
+           "at most " + text(kMostNear) + " with the shadowing of discs");
+  }
+  const double each = most_steps_of_a_flake(scene, beams, near);
+  require_steps("number of flakes in all pixels x " + text(each, 3) + " steps", flakes * each);
 }
 
 ExplicitResult trace_explicit_flakes(const ExplicitScene& scene, const std::stop_token& stop) {

@@ -38,7 +38,7 @@ struct ExplicitScene {
   Vec3<double> view, light;  // unit, away from the paint (normal +z); below it nothing sparkles
   double light_radius = 0;   // angular, outside: 0 to pi/2 rad; not 0 where the spread is
   double footprint = 0;      // Sigma: the pixel is a square, and its flakes those centred in it, m2
-  std::size_t pixels = 1;    // 1 to 2^26
+  std::size_t pixels = 1;    // 1 to 2^24: half a gigabyte of results
   Shadowing shadowing = Shadowing::discs;
   int points = 16;  // on a flake and on the light, 1 to 65536
   std::uint64_t seed = 0;

@@ -12,6 +12,7 @@
 #include "optics.h"
 #include "population.h"
 #include "random.h"
+#include "work.h"
 
 namespace metallic_paint::reference {
 namespace {
@@ -302,6 +303,19 @@ void require_above(const std::string& field, double z) {
 
 }  // namespace
 
+// Where nothing absorbs, even light from everywhere fills the layer evenly, eta^2 times as bright
+// inside as outside; so a photon's mean way is eta^2 4 V/A, whatever scatters it (Blanco and
+// Fournier 2003), and it meets surface and substrate eta^2 times each. One direction may lie longer
+// than the mean of all: twice. The walk ends after K events; of a layer without a bottom, more than
+// n follow with a probability of some 1/sqrt(n), which makes 2 sqrt(K) up to there.
+double most_steps_of_a_photon(const Paint& paint) {
+  double depth = rayleigh_depth(paint);
+  for (int i = 0; i < kSpecies; ++i) depth += flake_coverage(paint.species(i));
+  const double most = static_cast<double>(kMostScatterings);
+  const double brighter = std::max(1.0, paint.binder_ior * paint.binder_ior);
+  return std::min(most, 2 * brighter * std::min(4 * depth + 2, 2 * std::sqrt(most)));
+}
+
 void validate(const WalkScene& scene) {
   metallic_paint::validate(scene.paint);
   require_colour("substrate", scene.substrate, 1);
@@ -318,6 +332,10 @@ void validate(const WalkScene& scene) {
   if (scene.photons < 2 || scene.photons > 1'000'000'000'000) {
     reject("photons", std::to_string(scene.photons), "from 2 to 1e12");
   }
+  const double steps = most_steps_of_a_photon(scene.paint);
+  require_steps(
+      "photons x (1 + number of detectors) x " + text(steps, 3) + " steps",
+      static_cast<double>(scene.photons) * static_cast<double>(1 + scene.detectors.size()) * steps);
   const int theta = scene.theta_bins, phi = scene.phi_bins;
   if (theta == 0 && phi == 0) return;
   if (theta < 1 || phi < 1 || theta > kMostBins / phi) {

@@ -25,7 +25,7 @@ struct WalkScene {
   Rgb<double> substrate{0.8, 0.8, 0.8};   // albedo of the Lambertian substrate, 0 to 1
   Vec3<double> light{0, 0, 1};            // above the surface
   std::vector<Vec3<double>> detectors{};  // above the surface, at most 4096
-  std::size_t photons = 1'000'000;        // from 2 to 1e12
+  std::size_t photons = 1'000'000;        // from 2 to 1e12, and no more than a day's work (work.h)
   // The light that comes back, by direction: even steps in cos(theta) from 0 to 1 and in phi from 0
   // to 2 pi; at most 16384 bins. Both zero: none.
   int theta_bins = 0, phi_bins = 0;
@@ -63,6 +63,9 @@ struct WalkResult {
 };
 
 inline constexpr std::size_t kMostScatterings = 1'000'000;
+
+// An upper bound for the steps from event to event that a photon takes on average.
+double most_steps_of_a_photon(const Paint& paint);
 
 // Throws std::invalid_argument with a sentence that names the field, its value and the allowed
 // range.
