@@ -7,23 +7,34 @@
 
 #include "batch.h"
 #include "module.h"
+#include "validation.h"
 
 namespace py = pybind11;
 using namespace metallic_paint;
 
 namespace {
 
-py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
-                  py::handle positions, py::handle normals, py::handle views, py::handle footprints,
-                  py::handle pixels, py::handle slant_depths, const std::string& precision,
-                  py::handle species_index) {
-  if (lights.size() > kLightSlots) {
-    throw py::value_error("lights holds " + std::to_string(lights.size()) +
+std::vector<Light<double>> lights_of(py::handle value) {
+  if (!PySequence_Check(value.ptr())) reject_type("lights", value, "a sequence of Light");
+  const auto given = py::reinterpret_borrow<py::sequence>(value);
+  if (given.size() > kLightSlots) {
+    throw py::value_error("lights holds " + std::to_string(given.size()) +
                           ", but must hold at most " + std::to_string(kLightSlots));
   }
-  if (precision != "float" && precision != "double") {
-    throw py::value_error("precision is '" + precision + "', but must be 'float' or 'double'");
+  std::vector<Light<double>> lights;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const py::object light = given[i];
+    lights.push_back(object_of<Light<double>>(at_row("lights", i), light));
   }
+  return lights;
+}
+
+py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle positions,
+                  py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
+                  py::handle slant_depths, py::handle precision, py::handle species_index) {
+  const Paint paint = object_of<Paint>("paint", one_paint);
+  const std::vector<Light<double>> lights = lights_of(some_lights);
+  const bool is_float = choice("precision", precision, {"float", "double"}) == 0;
   const int species = from_python<int>("species", species_index, kInt32);
   if (species < 0 || species >= kSpecies) {
     throw py::value_error("species is " + std::to_string(species) + ", but must be from 0 to " +
@@ -61,16 +72,11 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
                              mean_count.mutable_data(), count.mutable_data(),
                              radiance.mutable_data(),   mean_radiance.mutable_data(),
                              variance.mutable_data()};
-  {
-    const py::gil_scoped_release released;
+  interruptible([&](const std::stop_token& stop) {
     metallic_paint::validate(batch, lights.size());
-    const auto at = static_cast<std::size_t>(species);
-    if (precision == "float") {
-      evaluate_pixels<float>(paint, lights, at, batch, results);
-    } else {
-      evaluate_pixels<double>(paint, lights, at, batch, results);
-    }
-  }
+    const auto evaluate_in = is_float ? evaluate_pixels<float> : evaluate_pixels<double>;
+    evaluate_in(paint, lights, static_cast<std::size_t>(species), batch, results, stop);
+  });
   py::dict all;
   all["leader"] = leader;
   all["slots"] = places;
@@ -85,23 +91,26 @@ py::dict evaluate(const Paint& paint, const std::vector<Light<double>>& lights,
 }  // namespace
 
 void bind_evaluate(py::module_& module) {
-  module.def("evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
-             py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-             py::arg("pixel"), py::arg("slant_depth") = py::none(), py::arg("precision") = "double",
-             py::arg("species") = 0,
-             R"doc(The sparkles of up to 8 lights in n pixels, on all cores.
+  module.def(
+      "evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
+      py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
+      py::arg("pixel"), py::arg("slant_depth") = py::none(), py::arg("precision") = "double",
+      py::arg("species") = 0,
+      R"doc(The sparkles of m lights, at most 8, in n pixels (paper, 5.3; derivation: core/expected_sparkles.h).
 
-position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
-for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
-in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-number, species, paint.frame and paint.seed alone.
-slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
-"float" repeats the shader operation by operation; "double" is the reference.
+position (n, 3): in scene units, at most 1e30; normal and view (n, 3): unit vectors, view towards
+the observer; zero for a pixel without surface. footprint (n,): area of the pixel's projection on
+the surface, 0 to 1e30 m2. pixel (n, 2): whole coordinates x and y, 32-bit. The deviates depend on
+pixel, light number, species, paint.frame and paint.seed alone.
+slant_depth (n, m, 3): 0 to 1e30, in place of the layer's own optical depth on the ways to observer
+and light, tau(view) H/cos + tau(light) H/cos. precision: "float" repeats the shader operation by
+operation; "double" is the reference. species: 0 to 2, whose counts are asked for.
 
-A dict over pixels and lights: leader, the light whose cone and sparkles this one shares, -1 if
-it is below the surface; mean_count, slots (0 Poisson, k binomial) and count of the sparkles of
-the flake species asked for; radiance, its mean and variance (n, m, 3), of all species, per unit of
-the light's irradiance on a plane normal to it, 1/sr.
+Returns a dict over pixels and lights: leader (n, m), the light whose cone and sparkles this one
+shares, -1 if it is below the surface; mean_count, slots (0 Poisson, k binomial) and count (n, m) of
+the sparkles of the species asked for; radiance, mean_radiance and variance (n, m, 3), of all
+species, per unit of the light's irradiance on a plane normal to it: 1/sr, and its square for the
+variance.
 mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
 narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc");
 }

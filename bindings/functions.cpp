@@ -34,6 +34,7 @@ void bind_functions(py::module_& module) {
         const int draw = from_python<int>("draw", draws, kInt32);
         py::array_t<std::uint32_t> words({x.size(), py::ssize_t{4}});
         for (py::ssize_t i = 0; i < x.size(); ++i) {
+          look_for_signals();
           const HashWords w = draw_words(key, x.data()[i], y.data()[i], draw);
           std::uint32_t* row = words.mutable_data(i, 0);
           row[0] = w.x, row[1] = w.y, row[2] = w.z, row[3] = w.w;
@@ -42,7 +43,10 @@ void bind_functions(py::module_& module) {
       },
       py::arg("x"), py::arg("y"), py::kw_only(), py::arg("light") = 0, py::arg("species") = 0,
       py::arg("frame") = 0, py::arg("seed") = 0, py::arg("draw") = 0,
-      R"doc(The four random words (n, 4) of draw number `draw` at pixels (x, y), any 32-bit integers.)doc");
+      R"doc(Random words of pixels, as the shader draws them (pcg4d: core/random.h).
+
+x, y (n,): whole pixel coordinates; these and light, species, frame, seed and draw: any 32-bit
+integers. Returns uint32 (n, 4).)doc");
   module.def(
       "count_deviate",
       [](py::handle mean, py::handle slots, py::handle uniform) {
@@ -50,64 +54,85 @@ void bind_functions(py::module_& module) {
                             u = numbers("uniform", uniform);
         require_broadcast("mean, slots and uniform", {m, k, u});
         return py::vectorize([](double one_mean, double one_slots, double one_uniform) {
+          look_for_signals();
           validate_count(one_mean, one_slots, one_uniform);
           return count_deviate(one_mean, static_cast<int>(one_slots), one_uniform);
         })(m, k, u);
       },
       py::arg("mean"), py::arg("slots"), py::arg("uniform"),
-      R"doc(The count of sparkles for a uniform deviate in (0, 1].
+      R"doc(How many sparkles a pixel has, for a uniform deviate (paper, step 3; the binomial is ours).
 
-slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same mean.)doc");
+mean: expected count, from 0, infinity included; slots: 0 for a Poisson count, 1 to 16 for a
+binomial one of as many places with the same mean; uniform: above 0, at most 1. The three
+broadcast. Returns whole float64 numbers of the common shape; they fall as uniform rises.)doc");
   module.def(
       "normal_quantile",
       [](py::handle probability) {
         return py::vectorize([](double p) {
+          look_for_signals();
           validate_probability(p);
           return normal_quantile(p);
         })(numbers("probability", probability));
       },
-      py::arg("probability"), R"doc(The standard normal deviate at a probability in (0, 1].)doc");
+      py::arg("probability"), R"doc(The standard normal deviate x with Phi(x) = probability.
+
+probability: above 0, at most 1, of any shape. Returns float64 of that shape; finite for 1 as well.)doc");
   module.def(
       "fresnel_transmittance",
       [](py::handle cos_theta, py::handle eta) {
         const Array<double> cosines = numbers("cos_theta", cos_theta), etas = numbers("eta", eta);
         require_broadcast("cos_theta and eta", {cosines, etas});
         return py::vectorize([](double cosine, double one_eta) {
+          look_for_signals();
           validate_cosine(cosine);
           validate_eta(one_eta);
           return fresnel_transmittance(cosine, eta_cos_refracted(cosine, one_eta), one_eta);
         })(cosines, etas);
       },
       py::arg("cos_theta"), py::arg("eta"),
-      R"doc(1 - r_eta: unpolarised transmittance at the outside cosine, 0 under total reflection.)doc");
+      R"doc(1 - r_eta, the unpolarised transmittance of the binder's surface (Fresnel).
+
+cos_theta: cosine outside the binder, 0 to 1; eta: index of the binder relative to the outside, 0.1
+to 10. The two broadcast. Returns float64 from 0 (total reflection) to 1.)doc");
   module.def(
       "orientation_density",
-      [](const Paint& paint, py::handle beta) {
+      [](py::handle one_paint, py::handle beta) {
+        const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
         return py::vectorize([&](double angle) {
+          look_for_signals();
           validate_beta(angle);
           const double half = std::sin(angle / 2);
           return orientation_density(density, half * half);
         })(numbers("beta", beta));
       },
       py::arg("paint"), py::arg("beta"),
-      R"doc(P(beta) of the paint's flakes, beta in rad, 0 to pi/2; P sin(beta) integrates to 1.)doc");
+      R"doc(P(beta), the density of the tilt of the flakes of a paint's first species (paper, 5.3.1).
+
+beta: angle between a flake's normal and the paint's, 0 to pi/2 rad, of any shape. Returns float64
+of that shape, 1/rad; P(beta) sin(beta) integrates to 1 over beta.)doc");
   module.def(
       "mean_projected_area",
-      [](const Paint& paint, py::handle cos_theta) {
+      [](py::handle one_paint, py::handle cos_theta) {
+        const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
         return py::vectorize([&](double cosine) {
+          look_for_signals();
           validate_cosine(cosine);
           return mean_projected_area(density, cosine);
         })(numbers("cos_theta", cos_theta));
       },
       py::arg("paint"), py::arg("cos_theta"),
-      R"doc(<s>, the mean projected area of a flake of unit area along a ray of that cosine (binder).)doc");
+      R"doc(<s>, the mean projected area of a flake of unit area along a ray (paper, 5.3.3).
+
+cos_theta: cosine of the ray to the paint's normal, in the binder, 0 to 1, of any shape. Returns
+float64 of that shape, 0 to 1, for the flakes of the paint's first species.)doc");
   module.def(
       "flake_brdf",
-      [](const Paint& paint, py::handle normals, py::handle views, py::handle lights) {
+      [](py::handle one_paint, py::handle normals, py::handle views, py::handle lights) {
+        const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
         const Array<double> normal = numbers("normal", normals), view = numbers("view", views),
                             light = numbers("light", lights);
@@ -122,6 +147,7 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
           return direction;
         };
         for (py::ssize_t i = 0; i < normal.shape(0); ++i) {
+          look_for_signals();
           const Vec3<double> n = unit("normal", normal, i), v = unit("view", view, i),
                              l = unit("light", light, i);
           const Rgb<double> f = flake_brdf(layer, n, v, l);
@@ -131,7 +157,10 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
         return brdf;
       },
       py::arg("paint"), py::arg("normal"), py::arg("view"), py::arg("light"),
-      R"doc(The mean of the sparkles as a BRDF, 1/sr: (n, 3) from unit vectors (n, 3).)doc");
+      R"doc(The mean of the sparkles as a BRDF, of all species; derivation: core/flake_brdf.h.
+
+normal, view, light (n, 3): unit vectors, view and light away from the surface. Returns (n, 3), RGB
+in 1/sr; 0 where view or light is below the surface.)doc");
   module.def(
       "library_coating",
       [](py::handle kinds, py::handle thickness_nm, py::handle cos_alpha) {
@@ -144,8 +173,9 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
         require_shape("cos_alpha", cosine, {size});
         py::array_t<float> colours({py::ssize_t{2}, size, py::ssize_t{3}});
         for (py::ssize_t i = 0; i < size; ++i) {
+          look_for_signals();
           require_library_coating("coating", kind.at(i), nm.at(i));
-          validate_cosine(cosine.at(i));
+          require_range(at_row("cos_alpha", static_cast<std::size_t>(i)), cosine.at(i), 0, 1);
           Coating<float> coating{};
           coating.kind = static_cast<CoatingKind>(kind.at(i));
           coating.thickness_nm = static_cast<float>(nm.at(i));
@@ -160,9 +190,11 @@ slots = 0: Poisson; slots = k, at most 16: binomial with k places and the same m
         return colours;
       },
       py::arg("coating"), py::arg("coating_nm"), py::arg("cos_alpha"),
-      R"doc(Reflectance and transmittance of coatings of the library, (2, n, 3), as the shader has them.
+      R"doc(Reflectance and transmittance of the library's coatings, as the shader has them.
 
-coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)doc");
+coating (n,): 1 to 14, CoatingKind in core/coating.h; coating_nm (n,): thickness of a pearl's film,
+0 to 200 nm, of no effect on a metal; cos_alpha (n,): cosine of the ray to the flake's normal, in
+the binder, 0 to 1. Returns float32 (2, n, 3): reflectance, then transmittance, RGB from 0 to 1.)doc");
   module.def(
       "pixel_texture",
       [](py::handle contrasts, py::handle footprints, py::handle xs, py::handle ys,
@@ -171,12 +203,14 @@ coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)d
         require_range("contrast", contrast, 0, 1);
         const Array<double> footprint = numbers("footprint", footprints);
         const Array<std::int32_t> x = whole_numbers("x", xs), y = whole_numbers("y", ys);
+        require_one_dimension("footprint", footprint);
         require_shape("x", x, {footprint.size()});
         require_shape("y", y, {footprint.size()});
         const int frame = from_python<int>("frame", frames, kInt32);
         const int seed = from_python<int>("seed", seeds, kInt32);
         py::array_t<float> factor(footprint.size());
         for (py::ssize_t i = 0; i < footprint.size(); ++i) {
+          look_for_signals();
           require_range(at_row("footprint", static_cast<std::size_t>(i)), footprint.data()[i], 0,
                         1e30, " m2");
           factor.mutable_data()[i] =
@@ -187,15 +221,17 @@ coating: 1 to 14; coating_nm: 0 to 200; cos_alpha at the flake, in the binder.)d
       },
       py::arg("contrast"), py::arg("footprint"), py::arg("x"), py::arg("y"), py::kw_only(),
       py::arg("frame") = 0, py::arg("seed") = 0,
-      R"doc(The factor (n,), as the shader has it, by which what is scattered several times fluctuates.
+      R"doc(The factor by which light scattered several times varies from pixel to pixel (paper, 5.1 and 5.2).
 
-contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,) pixels.)doc");
+contrast: relative standard deviation over 1 mm2, 0 to 1; footprint (n,): area of the pixel on the
+surface, 0 to 1e30 m2; x, y (n,): whole pixel coordinates; frame and seed: 32-bit integers. Returns
+float32 (n,), as the shader has it, with a mean of 1.)doc");
   module.def(
       "mixture",
-      [](const Paint& paint, py::handle substrates, py::handle cos_view) {
+      [](py::handle one_paint, py::handle substrates, py::handle cos_view) {
+        const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
-        const auto rho = from_python<std::array<double, 3>>("substrate", substrates, kThreeNumbers);
-        const Rgb<double> substrate{rho[0], rho[1], rho[2]};
+        const Rgb<double> substrate = three_numbers("substrate", substrates);
         require_colour("substrate", substrate, 1);
         const Layer<double> layer = make_layer<double>(paint);
         const Array<double> cosines = numbers("cos_view", cos_view);
@@ -205,7 +241,8 @@ contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,)
         py::array_t<double> diffuse(shape), glossy(shape);
         double *to_diffuse = diffuse.mutable_data(), *to_glossy = glossy.mutable_data();
         for (py::ssize_t i = 0; i < cosines.size(); ++i) {
-          validate_cosine(cosines.data()[i]);
+          look_for_signals();
+          require_range("cos_view", cosines.data()[i], 0, 1);
           const Mixture<double> m = mixture(layer, substrate, cosines.data()[i]);
           for (const double x : {m.diffuse.x, m.diffuse.y, m.diffuse.z}) *to_diffuse++ = x;
           for (const double x : {m.glossy.x, m.glossy.y, m.glossy.z}) *to_glossy++ = x;
@@ -218,9 +255,10 @@ contrast: relative deviation over 1 mm2, 0 to 1; footprint (n,) in m2; x, y (n,)
         return found;
       },
       py::arg("paint"), py::arg("substrate"), py::arg("cos_view"),
-      R"doc(What neither the binder's surface nor a single flake reflects, as two lobes.
+      R"doc(What neither the binder's surface nor a single flake reflects, as two lobes (fit: core/mixture.h).
 
-substrate (3,): albedo of the Lambertian substrate; cos_view (...): outside cosines of the view.
-The albedos diffuse (..., 3) of a Lambertian lobe: substrate and pigment; glossy (..., 3) of one of
-GGX microfacets scaled to reflect all: several flakes; and that one's roughness alpha (...).)doc");
+substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1; cos_view (...): cosines of the
+view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of a Lambertian lobe,
+of substrate and pigment; glossy (..., 3), that of a lobe of GGX microfacets scaled to reflect all,
+of several flakes; alpha (...), the roughness of that lobe.)doc");
 }

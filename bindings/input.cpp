@@ -147,6 +147,15 @@ Array<std::int32_t> whole_numbers(const char* field, py::handle value) {
   return whole;
 }
 
+std::size_t choice(const char* field, py::handle value, const std::vector<std::string>& names) {
+  std::string all;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (py::isinstance<py::str>(value) && value.cast<std::string>() == names[i]) return i;
+    all += (i == 0 ? "'" : i + 1 < names.size() ? "', '" : "' or '") + names[i];
+  }
+  reject(field, value, all + "'");
+}
+
 void require_shape(const char* field, const py::array& array,
                    const std::vector<py::ssize_t>& shape) {
   if (dimensions(array) == shape) return;
@@ -175,5 +184,5 @@ void require_broadcast(const char* fields, const std::vector<py::array>& arrays)
 
 void reject_type(const std::string& argument, py::handle value, const std::string& wanted) {
   throw py::type_error(argument + " is of the type " + type_name(value) + ", but must be " +
-                       wanted);
+                       wanted + ".");
 }

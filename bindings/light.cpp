@@ -19,18 +19,18 @@ void bind_light(py::module_& module) {
       .value("parallel", LightKind::parallel)
       .value("positional", LightKind::positional)
       .finalize();
-  py::class_<Light<double>>(module, "Light",
-                            R"doc(A light that sparkles, as a slot of the shader holds it.
+  py::class_<Light<double>>(
+      module, "Light",
+      R"doc(A light that sparkles, as a slot of the shader holds it (paper, 5.3.5).
 
-parallel: `vector` points to the light (any length above 0), `size` is the sine of its angular
-radius, 0 to 1. positional: `vector` is the centre and `size` the radius, in scene units.)doc")
+kind: a LightKind. parallel: vector points to the light (any length above 0, at most 1e30 in each
+axis), size is the sine of its angular radius, 0 to 1. positional: vector is the centre and size the
+radius, in scene units, 0 to 1e30.)doc")
       .def(py::init([](py::handle kind, py::handle vector, py::handle size) {
-             const auto v =
-                 from_python<std::array<double, 3>>("light.vector", vector, kThreeNumbers);
              const Light<double> light{
                  from_python<LightKind>("light.kind", kind,
                                         "LightKind.unused, .parallel or .positional"),
-                 {v[0], v[1], v[2]},
+                 three_numbers("light.vector", vector),
                  from_python<double>("light.size", size, kNumber)};
              metallic_paint::validate(light);
              return light;

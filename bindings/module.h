@@ -58,6 +58,10 @@ Array<double> numbers(const char* field, pybind11::handle value,
                       const char* range = "an array of numbers");
 Array<std::int32_t> whole_numbers(const char* field, pybind11::handle value);
 
+// The place among the names of the one that `value` is.
+std::size_t choice(const char* field, pybind11::handle value,
+                   const std::vector<std::string>& names);
+
 void require_shape(const char* field, const pybind11::array& array,
                    const std::vector<pybind11::ssize_t>& shape);
 void require_one_dimension(const char* field, const pybind11::array& array);

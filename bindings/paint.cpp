@@ -62,8 +62,8 @@ struct Field<Rgb<double>> {
     for (std::size_t i = 0; i < 3; ++i) {
       try {
         if (PyBool_Check(channels[i].ptr())) reject(name, value, must);
-        v[i] = channels[i].cast<double>();
-      } catch (const py::cast_error&) {
+        v[i] = number(name, channels[i], must.c_str());
+      } catch (const py::value_error&) {  // shows all three
         reject(name, value, must);
       }
     }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "module.h"
@@ -16,12 +14,6 @@ using reference::Shadowing;
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Shadowing>, 4> kShadowings{
-    {{"none", Shadowing::none},
-     {"attenuated", Shadowing::attenuated},
-     {"thinned", Shadowing::thinned},
-     {"discs", Shadowing::discs}}};
-
 // The same memory as an array of doubles.
 template <class T>
 py::array_t<double> array_of(std::vector<T> values, const std::vector<py::ssize_t>& shape) {
@@ -30,14 +22,6 @@ py::array_t<double> array_of(std::vector<T> values, const std::vector<py::ssize_
   const py::capsule owner(kept.get(), [](void* all) { delete static_cast<std::vector<T>*>(all); });
   kept.release();
   return py::array_t<double>(shape, first, owner);
-}
-
-Shadowing shadowing_of(const std::string& name) {
-  for (const auto& [known, shadowing] : kShadowings) {
-    if (name == known) return shadowing;
-  }
-  throw py::value_error("shadowing is '" + name +
-                        "', but must be 'none', 'attenuated', 'thinned' or 'discs'");
 }
 
 py::array_t<double> rgb(Rgb<double> value) {
@@ -49,7 +33,7 @@ py::array_t<double> rgb(Rgb<double> value) {
 
 py::dict explicit_flakes(py::handle paint, py::handle view, py::handle light,
                          py::handle light_radius, py::handle footprint, py::handle pixels,
-                         const std::string& shadowing, py::handle points, py::handle seed) {
+                         py::handle shadowing, py::handle points, py::handle seed) {
   ExplicitScene scene;
   scene.paint = object_of<Paint>("paint", paint);
   scene.view = three_numbers("view", view);
@@ -59,7 +43,8 @@ py::dict explicit_flakes(py::handle paint, py::handle view, py::handle light,
   const int count = from_python<int>("pixels", pixels, kInt32);
   if (count < 0) reject("pixels", pixels, "from 1 to 2^24");
   scene.pixels = static_cast<std::size_t>(count);
-  scene.shadowing = shadowing_of(shadowing);
+  scene.shadowing = static_cast<Shadowing>(
+      choice("shadowing", shadowing, {"none", "attenuated", "thinned", "discs"}));
   scene.points = from_python<int>("points", points, kInt32);
   scene.seed = static_cast<std::uint64_t>(from_python<int>("seed", seed, kInt32));
   ExplicitResult traced;
@@ -79,17 +64,22 @@ py::dict explicit_flakes(py::handle paint, py::handle view, py::handle light,
 }  // namespace
 
 void bind_explicit_flakes(py::module_& module) {
-  module.def("explicit_flakes", &explicit_flakes, py::arg("paint"), py::arg("view"),
-             py::arg("light"), py::arg("light_radius"), py::arg("footprint"), py::arg("pixels"),
-             py::kw_only(), py::arg("shadowing") = "discs", py::arg("points") = 16,
-             py::arg("seed") = 0,
-             R"doc(Brute force: individual flakes traced one by one, on all cores (core/reference).
+  module.def(
+      "explicit_flakes", &explicit_flakes, py::arg("paint"), py::arg("view"), py::arg("light"),
+      py::arg("light_radius"), py::arg("footprint"), py::arg("pixels"), py::kw_only(),
+      py::arg("shadowing") = "discs", py::arg("points") = 16, py::arg("seed") = 0,
+      R"doc(Individual flakes, traced one by one: the brute force that the sparkles are measured against.
 
-view, light (3,): unit, away from a plane paint of normal +z. light_radius: angular, outside, rad.
-footprint: area of a square pixel, m2. pixels: their number n. shadowing: "discs", by the other
-flakes as they lie, at `points` points of each sparkling flake; "attenuated", by exp(-z t);
-"thinned", by chance with that probability; "none". Results: count (n,), radiance (n, 3) per unit
-irradiance normal to the light in 1/sr, flakes (their number), sparkles (3,), the sum of count for
-each species, and mean_share, mean_square_share (3,), E[s] and E[s^2] over all sparkles of the share
-s that the shadowing leaves. The same for a seed whatever the number of cores.)doc");
+view, light (3,): unit vectors away from a plane paint with the normal +z. light_radius: angular,
+outside the binder, 0 to pi/2 rad; above 0 unless every species has a spread. footprint: area of a
+square pixel, 1e-20 to 1e6 m2. pixels: their number n, 1 to 2^24.
+shadowing: what dims a sparkle besides the binder. "discs": the other flakes as they lie, at
+`points` points (1 to 65536) of each flake that sparkles; "attenuated": their mean exp(-z t);
+"thinned": the sparkle is there with that probability; "none": nothing.
+seed: a 32-bit integer; the result is the same for it whatever the number of cores.
+Returns a dict: count (n,), the sparkles of each pixel; radiance (n, 3), T per unit irradiance on a
+plane normal to the light, 1/sr; flakes, how many were traced; sparkles (3,), the sum of count for
+each species; mean_share and mean_square_share (3,), E[s] and E[s^2] over all sparkles, RGB, of the
+share s that the shadowing leaves.
+A scene of more than 1e12 steps, a day of one core, is refused. See core/reference.)doc");
 }

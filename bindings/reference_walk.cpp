@@ -86,22 +86,23 @@ void bind_reference_walk(py::module_& module) {
       py::arg("substrate") = py::make_tuple(0.8, 0.8, 0.8), py::arg("detectors") = py::none(),
       py::arg("photons") = 1'000'000, py::arg("theta_bins") = 0, py::arg("phi_bins") = 0,
       py::arg("seed") = 0,
-      R"doc(The brute-force reference: photons from a parallel light, walked through the whole paint.
+      R"doc(Photons walked through the whole paint: the brute force that mixture and BRDF are measured against.
 
-Paint normal = z. light (3,) and detectors (n, 3), at most 4096: unit vectors away from the surface.
-substrate (3,): albedo of the Lambertian substrate. Flakes, Rayleigh scattering, absorption, the
-substrate and the smooth surface of the binder (Fresnel, from both sides) act as often as a photon
-meets them; see core/reference/random_walk.h. Runs on all cores; the result depends on the
-arguments alone.
+light (3,) and detectors (n, 3), at most 4096: unit vectors away from the surface, of the normal +z.
+substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1. photons: 2 to 1e12. theta_bins
+x phi_bins: at most 16384, or both 0. seed: 0 to 2^64 - 1; the result depends on the arguments
+alone. Flakes, Rayleigh scattering, absorption, the substrate and the smooth surface of the binder
+(Fresnel, from both sides) act as often as a photon meets them; see core/reference/random_walk.h.
 
 Returns a dict of RGB arrays, each X with its standard error X_error (from batch means). Shares are
 of the flux that falls on the surface:
-albedo (3,): comes back, without the surface's own reflection, which is `specular`;
-absorbed (3,); truncated (3,): still under way after 1e6 scatterings, on `truncated_walks` photons;
+albedo (3,): comes back, without the surface's own reflection, which is `specular`, a float;
+absorbed (3,); truncated (3,): still under way after 1e6 events, on `truncated_walks` photons;
 brdf (n, 3): towards each detector, 1/sr, without the specular (next-event estimation);
 bins (theta_bins, phi_bins, 3): comes back into even steps of cos(theta) from 0 to 1 and of phi
 from 0 to 2 pi (counted photons; their sum is the albedo).
 albedo and brdf are the sum of X_single_flake (mirrored by one flake and nothing else),
 X_substrate (scattered once by the substrate and by nothing else) and X_mixture (the rest); flakes
-that let light straight through do not count as scattering.)doc");
+that let light straight through do not count as scattering.
+A scene of more than 1e12 steps, a day of one core, is refused.)doc");
 }

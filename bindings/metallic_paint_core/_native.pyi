@@ -62,16 +62,7 @@ def evaluate(
     slant_depth: ArrayLike | None = None,
     precision: Literal["float", "double"] = "double",
     species: int = 0,
-) -> Pixels:
-    """The sparkles of up to 8 lights in n pixels, on all cores.
-
-    position (n, 3) in scene units; normal and view (n, 3), unit, view towards the observer, zero
-    for a pixel without surface; footprint (n,), the area of the pixel's projection on the surface
-    in m2; pixel (n, 2), whole pixel coordinates x and y. The deviates depend on pixel, light
-    number, species, paint.frame and paint.seed alone.
-    slant_depth (n, m, 3) replaces the layer's own optical depth tau(view) H/cos + tau(light) H/cos.
-    "float" repeats the shader operation by operation; "double" is the reference.
-    """
+) -> Pixels: ...
 
 class Shades(TypedDict):
     radiance: NDArray[np.float64]  # (n, m, 3): of the whole paint, 1/sr

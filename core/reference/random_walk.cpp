@@ -305,15 +305,15 @@ void require_above(const std::string& field, double z) {
 
 // Where nothing absorbs, even light from everywhere fills the layer evenly, eta^2 times as bright
 // inside as outside; so a photon's mean way is eta^2 4 V/A, whatever scatters it (Blanco and
-// Fournier 2003), and it meets surface and substrate eta^2 times each. One direction may lie longer
-// than the mean of all: twice. The walk ends after K events; of a layer without a bottom, more than
-// n follow with a probability of some 1/sqrt(n), which makes 2 sqrt(K) up to there.
+// Fournier 2003), and it meets surface and substrate eta^2 times each. In a layer without a bottom
+// the probability of more than n events falls as 1/sqrt(n): up to the last of K they are some 4
+// sqrt(K). Four times the mean over all directions leaves room for the longest of them.
 double most_steps_of_a_photon(const Paint& paint) {
   double depth = rayleigh_depth(paint);
   for (int i = 0; i < kSpecies; ++i) depth += flake_coverage(paint.species(i));
   const double most = static_cast<double>(kMostScatterings);
   const double brighter = std::max(1.0, paint.binder_ior * paint.binder_ior);
-  return std::min(most, 2 * brighter * std::min(4 * depth + 2, 2 * std::sqrt(most)));
+  return std::min(most, 4 * brighter * std::min(4 * depth + 2, 4 * std::sqrt(most)));
 }
 
 void validate(const WalkScene& scene) {

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <new>
+#include <stop_token>
 #include <vector>
 
 #include "scenes.h"
@@ -22,6 +24,28 @@ TEST(Batch, EveryIndexIsVisitedOnce) {
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(visits[i], 1) << i << " of " << count;
     EXPECT_EQ(visits[count], 0) << "beyond the end of " << count;
   }
+}
+
+TEST(Batch, NoBlockBeginsOnceAStopIsRequested) {
+  std::stop_source stop;
+  std::atomic<std::size_t> visits{0};
+  const auto work = [&](std::size_t i) {
+    ++visits;
+    if (i == 0) stop.request_stop();
+  };
+  parallel_for(100'000'000, work, 1, stop.get_token());
+  EXPECT_LT(visits, 100'000'000u);
+  visits = 0;
+  parallel_for(1000, work, 1, stop.get_token());
+  EXPECT_EQ(visits, 0u);
+}
+
+TEST(Batch, WhatWorkThrowsComesOut) {
+  const auto work = [](std::size_t i) {
+    if (i % 1000 == 999) throw std::bad_alloc();
+  };
+  EXPECT_THROW(parallel_for(10'000, work, 1), std::bad_alloc);
+  EXPECT_NO_THROW(parallel_for(999, work, 1));
 }
 
 Light<double> sun(double degrees, double sine) {

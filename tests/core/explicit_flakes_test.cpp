@@ -557,6 +557,14 @@ TEST(ExplicitFlakes, BadScenesAreRejectedByName) {
   expect_message("points", [](auto& s) { s.points = 0; });
   expect_message("shadowing", [](auto& s) { s.shadowing = static_cast<Shadowing>(4); });
   expect_message("number of flakes in all pixels", [](auto& s) { s.footprint = 1e6; });
+  expect_message("pixels is 16777217, but must be from 1 to 16777216",
+                 [](auto& s) { s.pixels = (1 << 24) + 1; });
+  // Steps that all flakes take together: many by their number, their points or their neighbours.
+  const auto expect_work = [&](const std::function<void(ExplicitScene&)>& spoil) {
+    expect_message("number of flakes in all pixels x ", spoil);
+  };
+  expect_work([](auto& s) { s.footprint = 50, s.paint.flake_spread = 0.3; });
+  expect_work([](auto& s) { s.footprint = 1e-3, s.points = 65536; });
   expect_message("number of flakes near", [](auto& s) {
     s.paint.flakes_per_mm2 = 1e9;
     s.paint.layer_thickness_um = 1e6;

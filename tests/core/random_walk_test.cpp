@@ -685,6 +685,32 @@ TEST(RandomWalk, ExtremePaintsGiveFiniteNumbers) {
   }
 }
 
+// Where nothing absorbs, photons walk longest.
+TEST(RandomWalk, PhotonsTakeNoMoreStepsThanTheirBound) {
+  Random random(61);
+  double worst = 0;
+  for (int k = 0; k < 40; ++k) {
+    WalkScene scene;
+    Paint& paint = scene.paint;
+    paint.orientation = static_cast<Orientation>(random.below(3));
+    paint.tilt = random.log_uniform(0.01, 1);
+    paint.flakes_per_mm2 = random.below(3) == 0 ? 0 : random.log_uniform(10, 1e5);
+    paint.flake_color = paint.flake_edge_color = grey(1.0);
+    paint.flake_transmission = grey(0.0);
+    paint.binder_ior = random.below(3) == 0 ? random.uniform(0.5, 1) : random.uniform(1, 3);
+    paint.rayleigh_per_mm = random.below(3) == 0 ? 0 : random.log_uniform(0.1, 1e6);
+    scene.substrate = grey(1.0);
+    scene.light = direction(random.uniform(0, 80));
+    scene.photons = 300;
+    const WalkResult result = walk_reference::walk(scene);
+    const double steps = static_cast<double>(result.steps) / static_cast<double>(scene.photons);
+    const double most = walk_reference::most_steps_of_a_photon(paint);
+    worst = std::max(worst, steps / most);
+    EXPECT_LE(steps, most) << text(paint);
+  }
+  RecordProperty("largest_share_of_the_bound", std::to_string(worst));
+}
+
 TEST(RandomWalk, RejectsScenesThatAreNone) {
   const auto expect_rejected = [](const std::string& field, const auto& change) {
     WalkScene scene;
@@ -706,6 +732,16 @@ TEST(RandomWalk, RejectsScenesThatAreNone) {
   expect_rejected("detectors[1].z", [](WalkScene& s) { s.detectors = {{0, 0, 1}, {0, 0, -1}}; });
   expect_rejected("number of detectors", [](WalkScene& s) { s.detectors.resize(4097, {0, 0, 1}); });
   expect_rejected("photons", [](WalkScene& s) { s.photons = 1; });
+  expect_rejected("photons x (1 + number of detectors) x ",
+                  [](WalkScene& s) { s.photons = 1'000'000'000'000; });
+  expect_rejected("photons x (1 + number of detectors) x ", [](WalkScene& s) {
+    s.photons = 100'000'000;
+    s.detectors.resize(4096, {0, 0, 1});
+  });
+  expect_rejected("photons x (1 + number of detectors) x ", [](WalkScene& s) {
+    s.photons = 1'000'000'000;
+    s.paint.rayleigh_per_mm = 1e6;
+  });
   expect_rejected("theta_bins", [](WalkScene& s) { s.theta_bins = 4; });
   expect_rejected("theta_bins", [](WalkScene& s) { s.theta_bins = 4, s.phi_bins = -1; });
   expect_rejected("theta_bins", [](WalkScene& s) { s.theta_bins = s.phi_bins = 200; });

@@ -51,8 +51,8 @@ def test_it_has_the_shape_of_the_cosines_with_a_colour_each() -> None:
     [
         ((0.5, 0.5), 1, "substrate is .* but must be three numbers"),
         ((0.5, 1.5, 0.5), 1, "substrate.* is 1.5, but must be from 0 to 1"),
-        ((0.5, 0.5, 0.5), 1.5, "cos_theta is 1.5"),
-        ((0.5, 0.5, 0.5), NAN, "cos_theta is nan"),
+        ((0.5, 0.5, 0.5), 1.5, "cos_view is 1.5"),
+        ((0.5, 0.5, 0.5), NAN, "cos_view is nan"),
         ((0.5, 0.5, 0.5), "a", "cos_view is 'a', but must be an array of numbers"),
     ],
 )
