@@ -74,7 +74,7 @@ def replace(old: str, new: str) -> Text:
 
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
-    text = cut("  if (SecondFlakesPerMm2", "  float scattering")(text)
+    text = cut("  if (SecondFlakesPerMm2", "  Layer paint = make_layer")(text)
     text = cut("  if (layer.species > 1) {", "  Flakes some = flakes[kind];")(text)
     text = replace("Flakes some = flakes[kind];", "Flakes some = flakes[0];")(text)
     loop = "for (int i = 0; i < layer.species; ++i) {"
@@ -117,8 +117,10 @@ PARTS: dict[str, Text] = {
     "second and third species": one_species,
     "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
     "light slots 2 to 8": one_slot,
-    "texture": cut("  if (given.texture_contrast > 0.0)", "  diffused = diffused * grain"),
-    "orange peel": cut("  if (given.orange_peel > 0.0)", "  if (inner_product(coat_n"),
+    "texture": cut(
+        "  if (given.texture_contrast > 0.0)", "  stack.diffuse = stack.diffuse * stack"
+    ),
+    "orange peel": cut("  if (given.orange_peel > 0.0)\n    coat_n", "  if (inner_product(coat_n"),
     "published composition": cut(
         "      if (given.composition ==", "      if (Diagnostic == SHOW_IRR"
     ),

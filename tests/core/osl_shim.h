@@ -105,6 +105,7 @@ inline float reflection(Triple) { return 1; }
 #include "osl/sound.h"
 #include "osl/sparkles.h"
 #include "osl/texture.h"
+#include "osl/whole_paint.h"
 #pragma GCC diagnostic pop
 #undef closure
 

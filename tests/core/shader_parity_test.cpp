@@ -28,6 +28,7 @@
 #include "sparkles.h"
 #include "support.h"
 #include "texture.h"
+#include "whole_paint.h"
 
 namespace {
 
@@ -105,6 +106,7 @@ osl::FlakeSpecies to_osl(const FlakeSpecies& species) {
 }
 
 struct ShaderPaint {
+  osl::Paint given;
   osl::Layer layer;
   std::array<osl::Flakes, kSpecies> flakes;
 };
@@ -112,8 +114,8 @@ struct ShaderPaint {
 ShaderPaint to_osl(const Paint& paint) {
   Words words;
   each_paint_parameter([&](auto, auto member, auto) { words(paint.*member); });
-  const auto given = words.as<osl::Paint>();
   ShaderPaint shader;
+  const osl::Paint& given = shader.given = words.as<osl::Paint>();
   for (int i = 0; i < kSpecies; ++i) {
     shader.flakes[static_cast<std::size_t>(i)] =
         osl::make_flakes(to_osl(paint.species(i)), given.binder_ior, given.diffraction);
@@ -228,7 +230,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const SurfacePoint<float>& point = scene.point;
   float* library = library_values.data();
   const Layer<float> layer = make_layer<float>(paint);
-  const auto [shader_layer, shader_flakes] = to_osl(paint);
+  const auto [given, shader_layer, shader_flakes] = to_osl(paint);
   compare(same, shader_layer, layer);
   for (std::size_t i = 0; i < kSpecies; ++i) compare(same, shader_flakes[i], layer.flakes[i]);
 
@@ -351,17 +353,43 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
   same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
 
-  const auto roughness = static_cast<float>(paint.coat_roughness);
-  const auto shader_coat = osl::make_coat(cos_view, roughness, layer.eta);
-  const Coat<float> coat = make_coat(cos_view, roughness, layer.eta);
-  same("coat.reflected", shader_coat.reflected, coat.reflected);
-  same("coat.rest", shader_coat.rest, coat.rest);
-  const auto contrast = static_cast<float>(paint.texture_contrast);
-  same("texture",
-       osl::pixel_texture(contrast, point.footprint, point.pixel_x, point.pixel_y, paint.frame,
-                          paint.seed),
-       pixel_texture(contrast, point.footprint, point.pixel_x, point.pixel_y, paint.frame,
-                     paint.seed));
+  // The stack of all that.
+  const CoatSurface<float> coat{point.normal, point.position, 1e-3f};
+  const Stack<float> stack = make_stack(paint, layer, point, coat);
+  const osl::CoatSurface shader_coat{to_osl(coat.normal), to_osl(coat.object_position),
+                                     coat.meters_per_unit};
+  // Closer than 1e-4 to grazing the shader's main has another slant here, its sparkles' own.
+  osl::SurfacePoint seen_from = surface;
+  seen_from.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_view_in);
+  const osl::Stack shader_stack = osl::make_stack(given, shader_layer, shader_flakes, library,
+                                                  seen_from, shader_coat, paint.frame, 1);
+  same("coat.reflected", shader_stack.coat.reflected, stack.coat.reflected);
+  same("coat.rest", shader_stack.coat.rest, stack.coat.rest);
+  same("coat_normal", shader_stack.coat_normal, stack.coat_normal);
+  same("coat_alpha", shader_stack.coat_alpha, stack.coat_alpha);
+  if (paint.composition == Composition::published) {
+    same("facets", shader_stack.facets, stack.facets);
+  }
+  same("stack's diffuse", shader_stack.diffuse, stack.diffuse);
+  same("stack's glossy", shader_stack.glossy, stack.glossy);
+  same("stack's alpha", shader_stack.alpha, stack.alpha);
+  same("texture", shader_stack.texture, stack.texture);
+
+  const Vec3<float> n = point.normal, v = point.view;
+  const auto slope = static_cast<float>(paint.orange_peel);
+  const auto size = static_cast<float>(paint.orange_peel_mm);
+  const Vec3<float> bent = orange_peel(n, point.position, slope, size);
+  same("orange_peel", osl::orange_peel(to_osl(n), to_osl(point.position), slope, size), bent);
+  same("above_surface", osl::above_surface(to_osl(bent), to_osl(n), to_osl(v)),
+       above_surface(bent, n, v));
+  const float raster = point.position.x * 1e10f;
+  same("pixel_coordinate", osl::pixel_coordinate(raster), pixel_coordinate(raster));
+  const float facing = facing_area(v, 300.0f, 200.0f);
+  same("facing_area", osl::facing_area(to_osl(v), 300.0f, 200.0f), facing);
+  for (const float differential : {facing * 0.1f, facing * 0.7f, facing * 10}) {
+    same("surface_area", osl::surface_area(facing, differential, cos_view),
+         surface_area(facing, differential, cos_view));
+  }
 
   const HashWords words =
       draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);

@@ -34,6 +34,8 @@ ONLY_CORE = {
     "radiance_variance": "of a draw, for those who judge it",
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
+    **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
+    **dict.fromkeys(("reflectance", "flake_albedo", "directional_albedo"), "likewise"),
     "each_choice": "words, for error messages",
     "each_flake_parameter": "for checks and bindings",
     "each_paint_parameter": "for checks and bindings",
@@ -50,7 +52,6 @@ HEADERS_ONLY_CORE = {
     "vector.h": "OSL has vectors",
     "noise.h": "OSL has noise",
     "light_slots.h": "the shader's main, which has its lights as inputs",
-    "whole_paint.h": "the shader's main, which adds closures",
     "facet_lobe.h": "a closure of Cycles",
     "flake_brdf.h": "the mean of flake_lobe.h, which a renderer draws",
 }

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The stack of the paint at a pixel: the coat over the flakes over what is scattered several times. See core/whole_paint.h.
+#pragma once
+
+#include "composition.h"
+#include "mixture.h"
+#include "orange_peel.h"
+#include "paint.h"
+#include "passage.h"
+#include "texture.h"
+
+struct CoatSurface {
+  vector n;
+  point object_position;
+  float meters_per_unit;
+};
+
+struct Stack {
+  Coat coat;
+  vector coat_normal;
+  float coat_alpha;
+  float facets;
+  color diffuse;
+  color glossy;
+  float alpha;
+  float texture;
+};
+
+// What no light has a part in. asked_mixture: whether its albedos are needed; the less there is, the sooner the shader is
+// compiled.
+Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, CoatSurface coat,
+                 int frame, int asked_mixture)
+{
+  Stack stack;
+  vector n = surface.n;
+  float cos_view = clamp(inner_product(n, surface.view), 1e-4, 1.0);
+  stack.coat = make_coat(cos_view, given.coat_roughness, layer.eta);
+  stack.coat_alpha = given.coat_roughness * given.coat_roughness;
+  stack.facets = 0.0;
+  if (given.composition == COMPOSITION_PUBLISHED) {
+    stack.facets = facet_reflectance(cos_view, given.coat_roughness, layer.eta);
+    if (stack.coat_alpha > 0.0)
+      stack.coat.reflected = stack.facets;
+  }
+  // A coat whose normal is bent reflects elsewhere, and as much.
+  vector coat_n = coat.n;
+  if (given.orange_peel > 0.0)
+    coat_n = orange_peel(coat_n, coat.object_position, given.orange_peel, given.orange_peel_mm * 0.001 / coat.meters_per_unit);
+  if (inner_product(coat_n, n) < 0.999999)
+    coat_n = above_surface(coat_n, n, surface.view);
+  stack.coat_normal = coat_n;
+
+  Mixture scattered = no_mixture();
+  if (asked_mixture || given.composition == COMPOSITION_PUBLISHED)
+    scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_view);
+  stack.diffuse = scattered.diffuse_albedo;
+  stack.glossy = scattered.glossy_albedo;
+  stack.alpha = scattered.alpha;
+  // What the sparkles outshine is Lambertian, as published.
+  if (given.composition == COMPOSITION_PUBLISHED) {
+    stack.diffuse = stack.diffuse + stack.glossy;
+    stack.glossy = color(0.0);
+  }
+  stack.texture = 1.0;
+  if (given.texture_contrast > 0.0)
+    stack.texture = pixel_texture(given.texture_contrast, surface.footprint, surface.pixel_x, surface.pixel_y, frame,
+                                  given.seed);
+  stack.diffuse = stack.diffuse * stack.texture;
+  stack.glossy = stack.glossy * stack.texture;
+  return stack;
+}
