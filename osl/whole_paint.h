@@ -4,9 +4,9 @@
 #pragma once
 
 #include "composition.h"
+#include "layer.h"
 #include "mixture.h"
 #include "orange_peel.h"
-#include "paint.h"
 #include "passage.h"
 #include "texture.h"
 
