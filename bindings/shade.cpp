@@ -86,7 +86,7 @@ py::array_t<double> zeros(const std::vector<py::ssize_t>& shape) {
   return array;
 }
 
-py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
+py::dict shade_pixels(py::handle one_paint, const std::vector<Light<double>>& lights,
                       py::handle position, py::handle normal, py::handle view, py::handle footprint,
                       py::handle pixel, py::handle coat_normal, py::handle object_position,
                       py::handle meters_per_unit) {
@@ -94,6 +94,7 @@ py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& ligh
     throw py::value_error("lights holds " + std::to_string(lights.size()) +
                           ", but must hold at most " + std::to_string(kLightSlots));
   }
+  const Paint paint = object_of<Paint>("paint", one_paint);
   const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
                       meters_per_unit);
   metallic_paint::validate(paint);
@@ -109,10 +110,9 @@ py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& ligh
          *to_rest = rest.mutable_data(), *to_diffuse = diffuse.mutable_data(),
          *to_glossy = glossy.mutable_data(), *to_alpha = alpha.mutable_data(),
          *to_texture = texture.mutable_data(), *to_bent = bent.mutable_data();
-  {
-    const py::gil_scoped_release released;
+  interruptible([&](const std::stop_token& stop) {
     const Layer<double> layer = make_layer<double>(paint);
-    parallel_for(static_cast<std::size_t>(n), [&](std::size_t i) {
+    const auto shade_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);
       const Stack<double> stack = make_stack(paint, layer, point, places.coat(i));
@@ -142,8 +142,9 @@ py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& ligh
         store(to_radiance, at, found.radiance);
         store(to_mean, at, shade(stack, point, slots.seen[k], drawn[lead].mean_radiance).radiance);
       }
-    });
-  }
+    };
+    parallel_for(static_cast<std::size_t>(n), shade_one, 1024, stop);
+  });
   py::dict all;
   all["radiance"] = radiance;
   all["mean_radiance"] = mean;
@@ -160,12 +161,13 @@ py::dict shade_pixels(const Paint& paint, const std::vector<Light<double>>& ligh
   return all;
 }
 
-py::dict reflect_light(const Paint& paint, py::handle directions, py::handle position,
+py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle position,
                        py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
                        py::handle coat_normal, py::handle object_position,
                        py::handle meters_per_unit) {
   const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
                       meters_per_unit);
+  const Paint paint = object_of<Paint>("paint", one_paint);
   const Array<double> light = numbers("light", directions);
   require_rows_of_3("light", light);
   metallic_paint::validate(paint);
@@ -179,23 +181,20 @@ py::dict reflect_light(const Paint& paint, py::handle directions, py::handle pos
   py::array_t<double> reflectances = zeros({n, m, 3}), mirror = zeros({n}), albedo = zeros({n, 3});
   double *to_reflectance = reflectances.mutable_data(), *to_mirror = mirror.mutable_data(),
          *to_albedo = albedo.mutable_data();
-  {
-    const py::gil_scoped_release released;
+  interruptible([&](const std::stop_token& stop) {
     const Layer<double> layer = make_layer<double>(paint);
-    parallel_for(
-        static_cast<std::size_t>(n),
-        [&](std::size_t i) {
-          if (!places.has_surface(i)) return;
-          const SurfacePoint<double> point = places.point(i);
-          const Stack<double> stack = make_stack(paint, layer, point, places.coat(i));
-          if (!(stack.coat_alpha > 0)) to_mirror[i] = stack.coat.reflected;
-          store(to_albedo, i, directional_albedo(layer, stack, point));
-          for (std::size_t k = 0; k < lights; ++k) {
-            store(to_reflectance, i * lights + k, reflectance(layer, stack, point, towards(k)));
-          }
-        },
-        1);
-  }
+    const auto reflect_one = [&](std::size_t i) {
+      if (!places.has_surface(i)) return;
+      const SurfacePoint<double> point = places.point(i);
+      const Stack<double> stack = make_stack(paint, layer, point, places.coat(i));
+      if (!(stack.coat_alpha > 0)) to_mirror[i] = stack.coat.reflected;
+      store(to_albedo, i, directional_albedo(layer, stack, point));
+      for (std::size_t k = 0; k < lights; ++k) {
+        store(to_reflectance, i * lights + k, reflectance(layer, stack, point, towards(k)));
+      }
+    };
+    parallel_for(static_cast<std::size_t>(n), reflect_one, 1, stop);
+  });
   py::dict all;
   all["reflectance"] = reflectances;
   all["mirror"] = mirror;

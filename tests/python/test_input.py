@@ -156,11 +156,20 @@ def evaluate(**changes: Any) -> object:  # noqa: ANN401
     return core.evaluate(**(arguments | changes))
 
 
+PLACES = {
+    "position": np.zeros((1, 3)),
+    "normal": UP,
+    "view": UP,
+    "footprint": [1e-7],
+    "pixel": [[0, 0]],
+}
 NEEDS_PAINT: list[Callable[[Any], object]] = [
     lambda paint: evaluate(paint=paint),
     lambda paint: core.explicit_flakes(paint, UP[0], UP[0], 0.1, 1e-7, 1),
     lambda paint: core.random_walk(paint, UP[0], photons=2),
     lambda paint: core.flake_brdf(paint, UP, UP, UP),
+    lambda paint: core.shade(paint, [], **PLACES),
+    lambda paint: core.reflectance(paint, UP, **PLACES),
     lambda paint: core.orientation_density(paint, 0),
     lambda paint: core.mean_projected_area(paint, 1),
     lambda paint: core.mixture(paint, UP[0], 1),
