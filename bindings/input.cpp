@@ -82,7 +82,8 @@ Array<double> numbers_of_objects(const char* field, const py::array& objects) {
   py::ssize_t i = 0;
   for (const py::handle object : objects.attr("flat")) {
     const auto row = static_cast<std::size_t>(i / row_size);
-    all.mutable_data()[i++] = number(metallic_paint::at_row(field, row), object, kNumber);
+    all.mutable_data()[i++] =
+        number(metallic_paint::at_row(field, row), object, "a number up to 1.8e308");
   }
   return all;
 }
@@ -106,7 +107,6 @@ double number(const std::string& field, py::handle value, const char* range) {
   const double given = PyFloat_AsDouble(value.ptr());
   if (PyErr_Occurred() == nullptr) return given;
   const py::error_already_set error;
-  if (error.matches(PyExc_OverflowError)) reject(field, value, "at most 1.8e308 in size");
   if (is_about_value(error)) reject(field, value, range);
   throw error;
 }
