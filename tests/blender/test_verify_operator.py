@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
@@ -154,6 +155,22 @@ def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
     assert not found.agrees
     assert found.unexplained > 10
     assert "DO NOT agree" in str(found)
+
+
+def test_a_wrong_core_under_the_sparkles_is_found_out(tmp_path: Path) -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    other = check.core_paint
+    brighter = {"substrate_color": (0.5, 0.5, 0.5)}
+    check.core_paint = lambda paint, frame: other(dataclasses.replace(paint, **brighter), frame)
+    try:
+        values = check.check(scene, thing, thing.active_material, SIZE, tmp_path, lambda *_: None)
+    finally:
+        check.core_paint = other
+    found = as_found(json.loads(json.dumps(values)))
+    assert found.unexplained == 0
+    assert found.worst_under > 1e-2
+    assert not found.agrees
 
 
 def test_lamps_that_share_a_name_are_lit_one_by_one(

@@ -19,8 +19,8 @@ import numpy as np
 from ..native import core_lights
 from ..paint import core_paint, material
 from ..scene import lights, sight
-from .comparison import MOST_RADIANCE_ERROR, compare, predict
-from .diagnostics import CONE, COUNT, IRRADIANCE, SPARKLES
+from .comparison import MOST_RADIANCE_ERROR, MOST_STACK_ERROR, compare, predict, stack_error
+from .diagnostics import CONE, COUNT, DIFFUSE, GLOSSY, IRRADIANCE, ROUGHNESS, SPARKLES, TEXTURE
 from .probe import Probe
 
 if TYPE_CHECKING:
@@ -47,11 +47,17 @@ class Found:
     by_chance: int
     worst_error: float  # relative, of a pixel's radiance
     worst_pixel: tuple[int, int]  # of the frame
+    worst_under: float  # of an albedo or roughness of what lies under the sparkles
     notes: tuple[str, ...]  # what was checked otherwise than it stands in the scene
 
     @property
     def agrees(self) -> bool:
-        return self.pixels > 0 and self.unexplained == 0 and self.worst_error <= MOST_RADIANCE_ERROR
+        return (
+            self.pixels > 0
+            and self.unexplained == 0
+            and self.worst_error <= MOST_RADIANCE_ERROR
+            and self.worst_under <= MOST_STACK_ERROR
+        )
 
     def __str__(self) -> str:
         left, bottom, right, top = self.region
@@ -63,6 +69,7 @@ class Found:
             f"unexplained ({self.unexplained}).",
             f"Worst pixel {self.worst_pixel[0]}, {self.worst_pixel[1]}: radiance off by "
             f"{100 * self.worst_error:.2g} %.",
+            f"Substrate, mixture and texture under them: off by {self.worst_under:.2g} at most.",
         ]
         if self.by_chance:
             lines.append(f"{self.by_chance} pixels are too dim for Cycles and kept by lot.")
@@ -107,11 +114,14 @@ def check(
     _hold_out(scene, layer, painted, region)
 
     in_use = [i for i, each in enumerate(settings.species) if each.flakes_per_mm2 > 0]
-    probe = _Probe(scene, painted, progress, steps=5 + len(lamps) * (len(in_use) + 3))
+    probe = _Probe(scene, painted, progress, steps=9 + len(lamps) * (len(in_use) + 3))
     geometry = dataclasses.replace(probe.geometry(), origin=region[:2])
     if not geometry.hit.any():
         raise VerifyError(f"The camera sees no paint of {thing.name} in the region.")
     predicted = [predict(paint, slots, geometry, "float", i) for i in in_use]
+    under = {"diffuse": DIFFUSE, "glossy": GLOSSY, "alpha": ROUGHNESS, "texture": TEXTURE}
+    shown_under = {name: probe.image(diagnostic) for name, diagnostic in under.items()}
+    worst_under = float(stack_error(paint, geometry, shown_under).max())
     totals = dict.fromkeys(
         ("pixels", "same_count", "at_pixel_edge", "at_threshold", "unexplained"), 0
     )
@@ -164,7 +174,7 @@ def check(
     notes.append(f"The core is metallic_paint_core {core.__version__}.")
     of = f"{thing.name}, {painted.name} ({scene.name})"
     found = Found(of, region, **totals, by_chance=by_chance, worst_error=worst, worst_pixel=where,
-                  notes=tuple(notes))  # fmt: skip
+                  worst_under=worst_under, notes=tuple(notes))  # fmt: skip
     return dataclasses.asdict(found)
 
 

@@ -30,6 +30,7 @@ UNIFORM_ROUNDING = 1e-6
 FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/sparkles.h
 
 MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
+MOST_STACK_ERROR = 1e-3  # of an albedo or a roughness: a quarter of one step of 8 bits
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,36 @@ def compare(
         radiance_error=error,
         by_chance=chance,
     )
+
+
+def stack_error(paint: Paint, geometry: Geometry, shown: dict[str, np.ndarray]) -> np.ndarray:
+    """How far what lies under the sparkles is from the core's, (h, w), 0 where no paint is.
+
+    shown: pictures (h, w, 3) of the lobes' albedos "diffuse" and "glossy", of the glossy one's
+    roughness "alpha" and of the "texture" that is in both albedos.
+    """
+    import metallic_paint_core as core
+
+    hit = geometry.hit
+    expected = core.shade(
+        paint,
+        [],
+        position=geometry.position[hit],
+        normal=geometry.normal[hit],
+        view=geometry.view[hit],
+        footprint=geometry.footprint[hit],
+        pixel=geometry.pixel[hit],
+    )
+    error = np.zeros(hit.shape)
+    for name, picture in shown.items():
+        wanted = expected[name]  # type: ignore[literal-required]
+        if wanted.ndim == 1:
+            wanted = wanted[:, None]
+        # A texture multiplies: what it errs counts by the light that it scales.
+        scale = np.maximum(np.abs(wanted), 1) if name == "texture" else 1
+        off = (np.abs(picture[hit] - wanted) / scale).max(axis=-1)
+        error[hit] = np.maximum(error[hit], off)
+    return error
 
 
 def _near_edge(raster: np.ndarray) -> np.ndarray:
