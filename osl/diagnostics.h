@@ -25,12 +25,6 @@
 #define SHOW_GLOSSY 17        // albedo of the glossy lobe: what flakes mirror more than once, RGB
 #define SHOW_ROUGHNESS 18     // alpha of the glossy lobe
 
-#ifndef DIAGNOSTICS
-#define Diagnostic SHOW_PAINT
-#define DiagnosticLight 1
-#define DiagnosticSpecies 1
-#endif
-
 int is_sound(float x)
 {
   return isfinite(x) && x >= 0.0;
@@ -40,3 +34,74 @@ int is_sound(color x)
 {
   return is_sound(x[0]) && is_sound(x[1]) && is_sound(x[2]);
 }
+
+// Where main hands its values over, by the names that they have there. Without DIAGNOSTICS these are empty.
+#ifdef DIAGNOSTICS
+
+#define ASKED_MEAN 1
+#define ASKED_SPECIES (DiagnosticSpecies - 1)
+
+#define DIAGNOSE_SURFACE \
+  int all_sound = is_sound(surface.footprint); \
+  closure color irradiance = 0;
+
+#define DIAGNOSE_LIGHT \
+  all_sound = all_sound && is_sound(drawn.mean_count) && is_sound(drawn.mean_radiance) && is_sound(drawn.count) && \
+              is_sound(drawn.radiance) && is_sound(rho); \
+  if (slot[i] == DiagnosticLight - 1) { \
+    if (Diagnostic == SHOW_COUNT) \
+      Shown = color(drawn.count); \
+    else if (Diagnostic == SHOW_MEAN_COUNT) \
+      Shown = color(drawn.mean_count); \
+    else if (Diagnostic == SHOW_RADIANCE) \
+      Shown = drawn.radiance; \
+    else if (Diagnostic == SHOW_MEAN_RADIANCE) \
+      Shown = drawn.mean_radiance; \
+    else if (Diagnostic == SHOW_CONE) \
+      Shown = color(cone_solid_angle(rho)); \
+    irradiance = sparkle_cone(color(1.0), view, seen[i].direction, cone_half_angle(1.0, least, most), \
+                              uniform_23(words.x)); \
+  }
+
+#define DIAGNOSE_FLAKE \
+  all_sound = all_sound && is_sound(mirrored.weight) && isfinite(mirrored.direction[0]);
+
+#define DIAGNOSE_PAINT \
+  if (Diagnostic == SHOW_PIXEL) \
+    Shown = color(surface.footprint, surface.pixel_x, surface.pixel_y); \
+  else if (Diagnostic == SHOW_POSITION) \
+    Shown = color(position); \
+  else if (Diagnostic == SHOW_NORMAL) \
+    Shown = color(n); \
+  else if (Diagnostic == SHOW_VIEW) \
+    Shown = color(view); \
+  else if (Diagnostic == SHOW_RASTER) \
+    Shown = color(pixel.raster); \
+  else if (Diagnostic == SHOW_SOUND) \
+    Shown = color(all_sound && is_sound(stack.coat.reflected) && is_sound(stack.coat.rest) && is_sound(stack.diffuse) && \
+                  is_sound(stack.glossy) && is_sound(stack.alpha)); \
+  else if (Diagnostic == SHOW_DIFFUSE) \
+    Shown = stack.diffuse; \
+  else if (Diagnostic == SHOW_TEXTURE) \
+    Shown = color(stack.texture); \
+  else if (Diagnostic == SHOW_GLOSSY) \
+    Shown = stack.glossy; \
+  else if (Diagnostic == SHOW_ROUGHNESS) \
+    Shown = color(stack.alpha); \
+  if (Diagnostic == SHOW_IRRADIANCE) \
+    BSDF = irradiance; \
+  else if (Diagnostic == SHOW_SPARKLES) \
+    BSDF = sparkles; \
+  else if (Diagnostic == SHOW_LOBE) \
+    BSDF = lobe;
+
+#else
+
+#define ASKED_MEAN 0
+#define ASKED_SPECIES 0
+#define DIAGNOSE_SURFACE
+#define DIAGNOSE_LIGHT
+#define DIAGNOSE_FLAKE
+#define DIAGNOSE_PAINT
+
+#endif

@@ -27,10 +27,9 @@ struct Stack {
   float texture;
 };
 
-// What no light has a part in. asked_mixture: whether its albedos are needed; the less there is, the sooner the shader is
-// compiled.
+// What no light has a part in.
 Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, CoatSurface coat,
-                 int frame, int asked_mixture)
+                 int frame)
 {
   Stack stack;
   vector n = surface.n;
@@ -51,9 +50,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = no_mixture();
-  if (asked_mixture || given.composition == COMPOSITION_PUBLISHED)
-    scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_view);
+  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_view);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
   stack.alpha = scattered.alpha;

@@ -74,7 +74,7 @@ def replace(old: str, new: str) -> Text:
 
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
-    text = cut("  if (SecondFlakesPerMm2", "  Layer paint = make_layer")(text)
+    text = cut("  if (SecondFlakesPerMm2", "  Layer flake_layer = make_layer")(text)
     text = cut("  if (layer.species > 1) {", "  Flakes some = flakes[kind];")(text)
     text = replace("Flakes some = flakes[kind];", "Flakes some = flakes[0];")(text)
     loop = "for (int i = 0; i < layer.species; ++i) {"
@@ -98,13 +98,9 @@ def no_library(text: str) -> str:
     return re.sub(r"(float CoatingLibrary\[\] = \{).*?\}", r"\1 0.0 }", text, flags=re.DOTALL)
 
 
-def no_diagnostics(text: str) -> str:
-    return re.sub(r"\bDiagnostic (!=|==|>=|<|>) SHOW_", r"0 \1 SHOW_", text)
-
-
 def no_sparkles(text: str) -> str:
-    text = cut("  ADD_SLOT(0,", "  // Changes with")(text)
-    return cut("  if (sparkling) {", "#ifdef DIAGNOSTICS\n  if (Diagnostic == SHOW_PIXEL)")(text)
+    text = cut("  ADD_SLOT(0,", "  // The flakes under the listed")(text)
+    return cut("  if (lights > 0) {", "  // The flakes under all other")(text)
 
 
 def full_contrast(text: str) -> str:
@@ -115,18 +111,15 @@ def full_contrast(text: str) -> str:
 
 PARTS: dict[str, Text] = {
     "second and third species": one_species,
-    "other light": cut("  if (OtherLight > 0.5", "  if (Diagnostic == SHOW_LOBE)"),
+    "other light": cut("  if (OtherLight > 0.5", "  // Cycles scales these"),
     "light slots 2 to 8": one_slot,
     "texture": cut(
         "  if (given.texture_contrast > 0.0)", "  stack.diffuse = stack.diffuse * stack"
     ),
     "orange peel": cut("  if (given.orange_peel > 0.0)\n    coat_n", "  if (inner_product(coat_n"),
-    "published composition": cut(
-        "      if (given.composition ==", "      if (Diagnostic == SHOW_IRR"
-    ),
+    "published composition": cut("      if (paint.composition ==", "      // Their cone holds"),
     "sparkle contrast": full_contrast,
     "coating library": no_library,
-    "diagnostics": no_diagnostics,
 }
 
 
@@ -267,8 +260,11 @@ def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]
 
 def race_in(bench: Bench, chosen: dict[str, Text], repetitions: int) -> list[bars.Bar]:
     bench.scene.render.use_persistent_data = True  # keeps the shader compiled
-    no_mixture = cut("    scattered = mixture(", "  color glossed",
-                     "    scattered.diffuse_albedo = substrate;\n")  # fmt: skip
+    no_mixture = cut(
+        "  Mixture scattered = mixture(", "  stack.diffuse = scattered",
+        "  Mixture scattered = no_mixture();\n"
+        "  scattered.diffuse_albedo = given.substrate_color;\n",
+    )  # fmt: skip
     variants = {name: bench.painted(edit) for name, edit in chosen.items()}
     whole = variants.pop(next(iter(chosen)))
     variants["the paint again, for noise"] = bench.painted()

@@ -183,8 +183,9 @@ void expect_like_flake_by_flake(const std::vector<Law>& all, int n) {
   for (const Law& law : all) {
     ++stream;
     // A float is black below e^-87, and so is what is below a millionth of the mean.
-    const auto seen = [&](std::vector<double> sums) {
-      for (double& sum : sums) sum = sum < 1e-6 * static_cast<double>(law.mean()) ? 0 : sum;
+    const double black = 1e-6 * static_cast<double>(law.mean());
+    const auto seen = [black](std::vector<double> sums) {
+      for (double& sum : sums) sum = sum < black ? 0 : sum;
       return sums;
     };
     const Likeness found =

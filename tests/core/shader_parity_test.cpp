@@ -362,7 +362,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   osl::SurfacePoint seen_from = surface;
   seen_from.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_view_in);
   const osl::Stack shader_stack = osl::make_stack(given, shader_layer, shader_flakes, library,
-                                                  seen_from, shader_coat, paint.frame, 1);
+                                                  seen_from, shader_coat, paint.frame);
   same("coat.reflected", shader_stack.coat.reflected, stack.coat.reflected);
   same("coat.rest", shader_stack.coat.rest, stack.coat.rest);
   same("coat_normal", shader_stack.coat_normal, stack.coat_normal);
