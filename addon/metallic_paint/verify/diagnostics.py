@@ -8,8 +8,8 @@ does not fold them: with persistent data one compilation serves all pictures.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Collection
+from contextlib import ExitStack
 from typing import Any
 
 import bpy
@@ -42,46 +42,51 @@ def set_properties(things: Collection[bpy.types.Object], values: dict[str, float
         thing.update_tag()
 
 
-@contextmanager
-def variants(materials: Collection[bpy.types.Material]) -> Iterator[None]:
-    """Meanwhile the materials have the variant as their surface, afterwards what they had."""
+def variants(materials: Collection[bpy.types.Material]) -> ExitStack:
+    """Gives the materials the variant as their surface; what is returned puts all back at its end.
+
+    It holds calls and no generators. Python would run the end of a forgotten generator when it
+    collects garbage, in a file that may be another by then, and Blender would crash.
+    """
     groups: dict[bpy.types.NodeTree, bpy.types.ShaderNodeTree] = {}
     with ExitStack() as stack:
         for painted in materials:
             group = material.paint_node(painted).node_tree
             if group not in groups:
-                groups[group] = stack.enter_context(_variant(group))
-            stack.enter_context(_as_surface(painted, groups[group]))
-        yield
-        for thing in bpy.data.objects:
-            for name in (*_INPUTS, _EMITS):
-                thing.pop(_property(name), None)
+                groups[group] = _variant(group, stack)
+            _as_surface(painted, groups[group], stack)
+        stack.callback(_remove_properties)
+        return stack.pop_all()
 
 
-@contextmanager
-def _variant(group: bpy.types.ShaderNodeTree) -> Iterator[bpy.types.ShaderNodeTree]:
+def _remove_properties() -> None:
+    for thing in bpy.data.objects:
+        for name in (*_INPUTS, _EMITS):
+            thing.pop(_property(name), None)
+
+
+def _variant(group: bpy.types.ShaderNodeTree, stack: ExitStack) -> bpy.types.ShaderNodeTree:
     copy = group.copy()
+    stack.callback(bpy.data.node_groups.remove, copy)
     text = bpy.data.texts.new(shader.FILE)
-    try:
-        source = shader.source(diagnostics=True)
-        text.write(source)
-        material.mark(copy, source)
-        script: Any = copy.nodes[material.NAME]  # a ShaderNodeScript
-        shader.compile_into(script, text)
-        for name in _INPUTS:
-            attribute = attribute_of(copy, name)
-            copy.links.new(attribute.outputs["Fac"], script.inputs[name])
-        copy.interface.new_socket(_SHOWN, in_out="OUTPUT", socket_type="NodeSocketColor")
-        out = next(node for node in copy.nodes if node.type == "GROUP_OUTPUT")
-        copy.links.new(script.outputs[_SHOWN], out.inputs[_SHOWN])
-        yield copy
-    finally:
-        bpy.data.node_groups.remove(copy)
-        bpy.data.texts.remove(text)
+    stack.callback(bpy.data.texts.remove, text)
+    source = shader.source(diagnostics=True)
+    text.write(source)
+    material.mark(copy, source)
+    script: Any = copy.nodes[material.NAME]  # a ShaderNodeScript
+    shader.compile_into(script, text)
+    for name in _INPUTS:
+        attribute = attribute_of(copy, name)
+        copy.links.new(attribute.outputs["Fac"], script.inputs[name])
+    copy.interface.new_socket(_SHOWN, in_out="OUTPUT", socket_type="NodeSocketColor")
+    out = next(node for node in copy.nodes if node.type == "GROUP_OUTPUT")
+    copy.links.new(script.outputs[_SHOWN], out.inputs[_SHOWN])
+    return copy
 
 
-@contextmanager
-def _as_surface(painted: bpy.types.Material, variant: bpy.types.ShaderNodeTree) -> Iterator[None]:
+def _as_surface(
+    painted: bpy.types.Material, variant: bpy.types.ShaderNodeTree, stack: ExitStack
+) -> None:
     """The paint as it was, or the emission of what it shows, as the objects' property says."""
     tree, node = painted.node_tree, material.paint_node(painted)
     group, node.node_tree = node.node_tree, variant
@@ -91,21 +96,22 @@ def _as_surface(painted: bpy.types.Material, variant: bpy.types.ShaderNodeTree) 
     emission = tree.nodes.new("ShaderNodeEmission")
     emits = attribute_of(tree, _EMITS)
     mix = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(emits.outputs["Fac"], mix.inputs["Fac"])
-    for link in list(surface.links):
-        tree.links.new(link.from_socket, mix.inputs[1])
-    tree.links.new(node.outputs[_SHOWN], emission.inputs["Color"])
-    tree.links.new(emission.outputs[0], mix.inputs[2])
-    tree.links.new(mix.outputs[0], surface)
-    try:
-        yield
-    finally:
+
+    def put_back() -> None:
         for link in list(mix.inputs[1].links):
             tree.links.new(link.from_socket, surface)
         for added in (mix, emits, emission):
             tree.nodes.remove(added)
         painted.cycles.emission_sampling = sampling
         node.node_tree = group
+
+    stack.callback(put_back)
+    tree.links.new(emits.outputs["Fac"], mix.inputs["Fac"])
+    for link in list(surface.links):
+        tree.links.new(link.from_socket, mix.inputs[1])
+    tree.links.new(node.outputs[_SHOWN], emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], surface)
 
 
 def attribute_of(tree: bpy.types.NodeTree, name: str) -> bpy.types.ShaderNodeAttribute:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -151,7 +151,11 @@ class Probe:
     def _show(self, diagnostic: int, light: int = 0, species: int = 0) -> None:
         if not self._diagnosing:
             self._variants.enter_context(variants(self.materials))
-            self._variants.enter_context(_persistent_data(self.scene))
+            # Cycles keeps the scene and its compiled shaders from one picture to the next.
+            render_settings = self.scene.render
+            was = render_settings.use_persistent_data
+            self._variants.callback(setattr, render_settings, "use_persistent_data", was)
+            render_settings.use_persistent_data = True
             self._diagnosing = True
         show(self._painted(), diagnostic, light, species)
 
@@ -205,13 +209,3 @@ class Probe:
         finally:
             for o, was in hidden.items():
                 o.hide_render = was
-
-
-@contextlib.contextmanager
-def _persistent_data(scene: bpy.types.Scene) -> Iterator[None]:
-    """Cycles keeps the scene and its compiled shaders from one picture to the next."""
-    was, scene.render.use_persistent_data = scene.render.use_persistent_data, True
-    try:
-        yield
-    finally:
-        scene.render.use_persistent_data = was
