@@ -27,7 +27,7 @@ LEAST_WEIGHT = 1.1e-5
 # Error that float rounding may leave in <N> (relative) and in the uniform deviate.
 MEAN_ROUNDING = 1e-5
 UNIFORM_ROUNDING = 1e-6
-FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/sparkles.h
+FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/expected_sparkles.h
 
 MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
 MOST_STACK_ERROR = 1e-3  # of an albedo or a roughness: a quarter of one step of 8 bits
