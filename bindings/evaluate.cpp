@@ -14,21 +14,6 @@ using namespace metallic_paint;
 
 namespace {
 
-std::vector<Light<double>> lights_of(py::handle value) {
-  if (!PySequence_Check(value.ptr())) reject_type("lights", value, "a sequence of Light");
-  const auto given = py::reinterpret_borrow<py::sequence>(value);
-  if (given.size() > kLightSlots) {
-    throw py::value_error("lights holds " + std::to_string(given.size()) +
-                          ", but must hold at most " + std::to_string(kLightSlots));
-  }
-  std::vector<Light<double>> lights;
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    const py::object light = given[i];
-    lights.push_back(object_of<Light<double>>(at_row("lights", i), light));
-  }
-  return lights;
-}
-
 py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle positions,
                   py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
                   py::handle slant_depths, py::handle precision, py::handle species_index) {

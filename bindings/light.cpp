@@ -5,13 +5,31 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "module.h"
 #include "paint.h"
+#include "validation.h"
 
 namespace py = pybind11;
 using metallic_paint::Light;
 using metallic_paint::LightKind;
+
+std::vector<Light<double>> lights_of(py::handle value) {
+  if (!PySequence_Check(value.ptr())) reject_type("lights", value, "a sequence of Light");
+  const auto given = py::reinterpret_borrow<py::sequence>(value);
+  if (given.size() > metallic_paint::kLightSlots) {
+    throw py::value_error("lights holds " + std::to_string(given.size()) +
+                          ", but must hold at most " + std::to_string(metallic_paint::kLightSlots));
+  }
+  std::vector<Light<double>> lights;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const py::object light = given[i];
+    lights.push_back(object_of<Light<double>>(metallic_paint::at_row("lights", i), light));
+  }
+  return lights;
+}
 
 void bind_light(py::module_& module) {
   py::native_enum<LightKind>(module, "LightKind", "enum.IntEnum")

@@ -15,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "light.h"
 #include "vector.h"
 
 void bind_paint(pybind11::module_& module);
@@ -93,3 +94,6 @@ const Class& object_of(const std::string& argument, pybind11::handle value) {
   const auto name = pybind11::type::of<Class>().attr("__name__").template cast<std::string>();
   reject_type(argument, value, "a " + name);
 }
+
+// At most kLightSlots objects Light (light.cpp).
+std::vector<metallic_paint::Light<double>> lights_of(pybind11::handle value);

@@ -86,15 +86,12 @@ py::array_t<double> zeros(const std::vector<py::ssize_t>& shape) {
   return array;
 }
 
-py::dict shade_pixels(py::handle one_paint, const std::vector<Light<double>>& lights,
-                      py::handle position, py::handle normal, py::handle view, py::handle footprint,
-                      py::handle pixel, py::handle coat_normal, py::handle object_position,
+py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle position,
+                      py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
+                      py::handle coat_normal, py::handle object_position,
                       py::handle meters_per_unit) {
-  if (lights.size() > kLightSlots) {
-    throw py::value_error("lights holds " + std::to_string(lights.size()) +
-                          ", but must hold at most " + std::to_string(kLightSlots));
-  }
   const Paint paint = object_of<Paint>("paint", one_paint);
+  const std::vector<Light<double>> lights = lights_of(some_lights);
   const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
                       meters_per_unit);
   metallic_paint::validate(paint);

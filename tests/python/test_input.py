@@ -201,6 +201,8 @@ LIGHT = core.Light(core.LightKind.parallel, (0, 0, 1), 0.1)
 def test_lights_of_another_type_are_named(lights: object, message: str) -> None:
     with pytest.raises(TypeError, match=f"^{message}\\.$"):
         evaluate(lights=lights)
+    with pytest.raises(TypeError, match=f"^{message}\\.$"):
+        core.shade(core.Paint(), lights, **PLACES)
 
 
 @pytest.mark.parametrize("value", [None, 3, "half", b"float", ["float"]])
