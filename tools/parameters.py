@@ -383,13 +383,21 @@ def osl_inputs(table: Table) -> Iterator[str]:
         yield from _osl_input(row)
 
 
+def _ascii(text: str) -> str:
+    """Blender writes the shader's text in the system's encoding, which need not be UTF-8."""
+    plain = text.translate({ord("²"): "2", ord("µ"): "u", ord("°"): " degrees"})
+    if not plain.isascii():
+        raise TableError(f"{text!r} holds a sign that has no plain form for the shader's text.")
+    return plain
+
+
 def _osl_input(row: Parameter, species: str = "", number: int = 1) -> Iterator[str]:
     kind = {"choice": "int", "rgb": "color"}.get(row.type, row.type)
     default = row.number
     if species and row.default_of_further is not None:
         default = row.default_of_further
     label = f"{row.label} {number}" if species else row.label
-    says = [f'string label = "{label}"', f'string help = "{row.tooltip}"']
+    says = [f'string label = "{_ascii(label)}"', f'string help = "{_ascii(row.tooltip)}"']
     if row.choices:
         words = "|".join(f"{word}:{i}" for i, word in enumerate(row.choices))
         says += ['string widget = "mapper"', f'string options = "{words}"']

@@ -101,7 +101,8 @@ def save(tmp_path: Path) -> tuple[Path, list[np.ndarray]]:
     scene = build()
     pictures = rendered_here(scene)
     # The lamp's path shows, so nothing but drivers can have brought it to the shader.
-    assert np.abs(pictures[0] - pictures[1]).max() > 0.1 * pictures[0].max()
+    # The scale leaves out the few pixels where a sample happens to meet a lamp in the sharp coat.
+    assert np.abs(pictures[0] - pictures[1]).max() > 0.1 * np.quantile(pictures[0], 0.999)
     file = tmp_path / "paint.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True)
     return file, pictures
