@@ -83,8 +83,10 @@ def one_species(text: str) -> str:
 
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
-    text = cut("  if (lights > 1)\n    group_lights(seen, leader", "\n  // Changes with")(text)
-    text = cut("      for (int j = 0; j < lights; ++j) {", "      color radiance")(text)
+    text = cut(
+        "  if (lights > 1)\n    group_lights(seen, leader", "\n  // The flakes under the listed"
+    )(text)
+    text = cut("      for (int j = 0; j < lights; ++j) {", "      float rho")(text)
     text = cut("  float reach = angular_radius(seen[group]);\n  for", "  return reach",
                "  float reach = angular_radius(seen[group]);\n")(text)  # fmt: skip
     return re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
