@@ -31,7 +31,8 @@ def plane_that_shows(
     text = bpy.data.texts.new("probe.osl")
     text.write(shader.flatten(file))
     material = bpy.data.materials.new("Probe")
-    material.use_nodes = True
+    if material.node_tree is None:
+        material.use_nodes = True  # Blender 4.5
     tree = material.node_tree
     tree.nodes.clear()
     node = tree.nodes.new("ShaderNodeScript")
