@@ -53,6 +53,13 @@ T solid_angle_ratio(T cos_theta, T g, T eta) {
 // float.
 inline constexpr double kLeastCosine = 1e-20;
 
+// The view's cosine. A smooth normal can turn away from the observer near a silhouette: 1e-4 there.
+template <class T>
+T seen_cosine(Vec3<T> normal, Vec3<T> view) {
+  const T cosine = std::min(dot(normal, view), T(1));
+  return cosine > T(kLeastCosine) ? cosine : T(1e-4);
+}
+
 // Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
 template <class T>
 struct Mirror {

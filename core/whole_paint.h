@@ -55,7 +55,7 @@ template <class T>
 Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoint<T>& point,
                     const CoatSurface<T>& surface) {
   Stack<T> stack;
-  const T cos_view = std::clamp(dot(point.normal, point.view), T(1e-4), T(1));
+  const T cos_view = seen_cosine(point.normal, point.view);
   const T roughness = static_cast<T>(paint.coat_roughness);
   stack.coat = make_coat(cos_view, roughness, layer.eta);
   stack.coat_alpha = roughness * roughness;

@@ -29,6 +29,14 @@ float solid_angle_ratio(float cos_theta, float g, float eta)
 
 #define LEAST_COSINE 1e-20
 
+float seen_cosine(vector n, vector view)
+{
+  float cosine = min(inner_product(n, view), 1.0);
+  if (cosine > LEAST_COSINE)
+    return cosine;
+  return 1e-4;
+}
+
 struct Mirror {
   int possible;
   float cos_view;

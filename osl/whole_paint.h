@@ -33,7 +33,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
 {
   Stack stack;
   vector n = surface.n;
-  float cos_view = clamp(inner_product(n, surface.view), 1e-4, 1.0);
+  float cos_view = seen_cosine(n, surface.view);
   stack.coat = make_coat(cos_view, given.coat_roughness, layer.eta);
   stack.coat_alpha = given.coat_roughness * given.coat_roughness;
   stack.facets = 0.0;
