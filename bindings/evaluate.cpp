@@ -7,6 +7,7 @@
 
 #include "batch.h"
 #include "module.h"
+#include "places.h"
 #include "validation.h"
 
 namespace py = pybind11;
@@ -16,6 +17,7 @@ namespace {
 
 py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle positions,
                   py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
+                  py::handle own_positions, py::handle own_axes, py::handle instances,
                   py::handle slant_depths, py::handle precision, py::handle species_index) {
   const Paint paint = object_of<Paint>("paint", one_paint);
   const std::vector<Light<double>> lights = lights_of(some_lights);
@@ -25,35 +27,21 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
     throw py::value_error("species is " + std::to_string(species) + ", but must be from 0 to " +
                           std::to_string(kSpecies - 1));
   }
-  const Array<double> position = numbers("position", positions);
-  const Array<double> normal = numbers("normal", normals);
-  const Array<double> view = numbers("view", views);
-  const Array<double> footprint = numbers("footprint", footprints);
-  const Array<std::int32_t> pixel = whole_numbers("pixel", pixels);
+  const Places places(positions, normals, views, footprints, pixels, own_positions, own_axes,
+                      instances);
   std::optional<Array<double>> slant_depth;
   if (!slant_depths.is_none()) slant_depth = numbers("slant_depth", slant_depths);
-  require_one_dimension("footprint", footprint);
-  const py::ssize_t n = footprint.shape(0);
+  const py::ssize_t n = places.size();
   const py::ssize_t slots = static_cast<py::ssize_t>(lights.size());
-  require_shape("position", position, {n, 3});
-  require_shape("normal", normal, {n, 3});
-  require_shape("view", view, {n, 3});
-  require_shape("pixel", pixel, {n, 2});
   if (slant_depth) require_shape("slant_depth", *slant_depth, {n, slots, 3});
   metallic_paint::validate(paint);
 
-  py::array_t<std::int32_t> leader({n, slots}), places({n, slots});
+  py::array_t<std::int32_t> leader({n, slots}), count_slots({n, slots});
   py::array_t<double> count({n, slots}), mean_count({n, slots});
   py::array_t<double> radiance({n, slots, py::ssize_t{3}}),
       mean_radiance({n, slots, py::ssize_t{3}}), variance({n, slots, py::ssize_t{3}});
-  const PixelBatch batch{static_cast<std::size_t>(n),
-                         position.data(),
-                         normal.data(),
-                         view.data(),
-                         footprint.data(),
-                         pixel.data(),
-                         slant_depth ? slant_depth->data() : nullptr};
-  const PixelResults results{leader.mutable_data(),     places.mutable_data(),
+  const PixelBatch batch = places.batch(slant_depth ? slant_depth->data() : nullptr);
+  const PixelResults results{leader.mutable_data(),     count_slots.mutable_data(),
                              mean_count.mutable_data(), count.mutable_data(),
                              radiance.mutable_data(),   mean_radiance.mutable_data(),
                              variance.mutable_data()};
@@ -64,7 +52,7 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
   });
   py::dict all;
   all["leader"] = leader;
-  all["slots"] = places;
+  all["slots"] = count_slots;
   all["mean_count"] = mean_count;
   all["count"] = count;
   all["radiance"] = radiance;
@@ -79,14 +67,20 @@ void bind_evaluate(py::module_& module) {
   module.def(
       "evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
       py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-      py::arg("pixel"), py::arg("slant_depth") = py::none(), py::arg("precision") = "double",
-      py::arg("species") = 0,
+      py::arg("pixel"), py::arg("own_position") = py::none(), py::arg("own_axes") = py::none(),
+      py::arg("instance") = py::none(), py::arg("slant_depth") = py::none(),
+      py::arg("precision") = "double", py::arg("species") = 0,
       R"doc(The sparkles of m lights, at most 8, in n pixels (paper, 5.3; derivation: core/expected_sparkles.h).
 
 position (n, 3): in scene units, at most 1e30; normal and view (n, 3): unit vectors, view towards
 the observer; zero for a pixel without surface. footprint (n,): area of the pixel's projection on
-the surface, 0 to 1e30 m2. pixel (n, 2): whole coordinates x and y, 32-bit. The deviates depend on
-pixel, light number, species, paint.frame and paint.seed alone.
+the surface, 0 to 1e30 m2. pixel (n, 2): whole coordinates x and y, 32-bit.
+own_position (n, 3): where the points lie in the object's own space, m, at most 1e30; as position
+says if not given. own_axes (n, 3, 3): that space's axes x, y, z as unit vectors of the world; the
+world's own if not given. instance (n,): tells copies of an object apart, 32-bit; 0 if not given.
+With Anchor pixel the deviates depend on pixel, light number, species, paint.frame and paint.seed
+alone; with Anchor surface, whose counts are those of the cell in which the point lies, on its place
+and half-way direction in the own space, instance, species, paint.frame and paint.seed.
 slant_depth (n, m, 3): 0 to 1e30, in place of the layer's own optical depth on the ways to observer
 and light, tau(view) H/cos + tau(light) H/cos. precision: "float" repeats the shader operation by
 operation; "double" is the reference. species: 0 to 2, whose counts are asked for.

@@ -8,6 +8,7 @@
 
 #include "batch.h"
 #include "module.h"
+#include "places.h"
 #include "validation.h"
 #include "whole_paint.h"
 
@@ -16,61 +17,26 @@ using namespace metallic_paint;
 
 namespace {
 
-// The arguments that say where a paint is looked at.
-struct Places {
-  Array<double> position, normal, view, footprint, coat_normal, object_position;
-  Array<std::int32_t> pixel;
-  double meters_per_unit;
+// Places, and the normals of the coat there.
+struct CoatedPlaces : Places {
+  Array<double> coat_normal;
 
-  Places(py::handle positions, py::handle normals, py::handle views, py::handle footprints,
-         py::handle pixels, py::handle coat_normals, py::handle object_positions, py::handle meters)
-      : position(numbers("position", positions)),
-        normal(numbers("normal", normals)),
-        view(numbers("view", views)),
-        footprint(numbers("footprint", footprints)),
-        coat_normal(coat_normals.is_none() ? normal : numbers("coat_normal", coat_normals)),
-        object_position(object_positions.is_none() ? position
-                                                   : numbers("object_position", object_positions)),
-        pixel(whole_numbers("pixel", pixels)),
-        meters_per_unit(from_python<double>("meters_per_unit", meters, kNumber)) {
-    require_one_dimension("footprint", footprint);
-    const py::ssize_t n = size();
-    require_shape("position", position, {n, 3});
-    require_shape("normal", normal, {n, 3});
-    require_shape("view", view, {n, 3});
-    require_shape("coat_normal", coat_normal, {n, 3});
-    require_shape("object_position", object_position, {n, 3});
-    require_shape("pixel", pixel, {n, 2});
-    require_range("meters_per_unit", meters_per_unit, 1e-12, 1e12, " m");
-    const auto rows = static_cast<std::size_t>(n);
-    validate(PixelBatch{rows, position.data(), normal.data(), view.data(), footprint.data(),
-                        pixel.data()});
-    for (std::size_t i = 0; i < rows; ++i) {
-      const Vec3<double> bent = row(coat_normal, i), at = row(object_position, i);
+  CoatedPlaces(const Places& places, py::handle coat_normals)
+      : Places(places),
+        coat_normal(coat_normals.is_none() ? normal : numbers("coat_normal", coat_normals)) {
+    require_shape("coat_normal", coat_normal, {size(), 3});
+    validate(batch());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(size()); ++i) {
+      const Vec3<double> bent = coat(i);
       if (!(dot(bent, bent) == 0)) require_unit(at_row("coat_normal", i), bent);
-      for (const double x : {at.x, at.y, at.z}) {
-        require_range(at_row("object_position", i), x, -1e30, 1e30, " scene units");
-      }
     }
   }
 
-  py::ssize_t size() const { return footprint.shape(0); }
-  SurfacePoint<double> point(std::size_t i) const {
-    return {row(position, i),    row(normal, i),      row(view, i),
-            footprint.data()[i], pixel.data()[2 * i], pixel.data()[2 * i + 1]};
-  }
-  CoatSurface<double> coat(std::size_t i) const {
-    return {row(coat_normal, i), row(object_position, i), meters_per_unit};
-  }
+  SurfacePoint<double> point(std::size_t i) const { return point_at<double>(batch(), i); }
+  Vec3<double> coat(std::size_t i) const { return vector_at<double>(coat_normal.data(), i); }
   bool has_surface(std::size_t i) const {
-    return length(row(normal, i)) > 0 && length(row(view, i)) > 0 &&
-           length(row(coat_normal, i)) > 0;
-  }
-
- private:
-  static Vec3<double> row(const Array<double>& array, std::size_t i) {
-    const double* v = array.data() + 3 * i;
-    return {v[0], v[1], v[2]};
+    const SurfacePoint<double> at = point(i);
+    return length(at.normal) > 0 && length(at.view) > 0 && length(coat(i)) > 0;
   }
 };
 
@@ -88,12 +54,13 @@ py::array_t<double> zeros(const std::vector<py::ssize_t>& shape) {
 
 py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle position,
                       py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
-                      py::handle coat_normal, py::handle object_position,
-                      py::handle meters_per_unit) {
+                      py::handle own_position, py::handle own_axes, py::handle instance,
+                      py::handle coat_normal) {
   const Paint paint = object_of<Paint>("paint", one_paint);
   const std::vector<Light<double>> lights = lights_of(some_lights);
-  const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
-                      meters_per_unit);
+  const CoatedPlaces places(
+      Places(position, normal, view, footprint, pixel, own_position, own_axes, instance),
+      coat_normal);
   metallic_paint::validate(paint);
   const py::ssize_t n = places.size(), m = static_cast<py::ssize_t>(lights.size());
   const std::vector<py::ssize_t> each{n, m, 3};
@@ -160,10 +127,11 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
 
 py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle position,
                        py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
-                       py::handle coat_normal, py::handle object_position,
-                       py::handle meters_per_unit) {
-  const Places places(position, normal, view, footprint, pixel, coat_normal, object_position,
-                      meters_per_unit);
+                       py::handle own_position, py::handle own_axes, py::handle instance,
+                       py::handle coat_normal) {
+  const CoatedPlaces places(
+      Places(position, normal, view, footprint, pixel, own_position, own_axes, instance),
+      coat_normal);
   const Paint paint = object_of<Paint>("paint", one_paint);
   const Array<double> light = numbers("light", directions);
   require_rows_of_3("light", light);
@@ -204,13 +172,13 @@ py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle p
 void bind_shade(py::module_& module) {
   module.def("shade", &shade_pixels, py::arg("paint"), py::arg("lights"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-             py::arg("pixel"), py::arg("coat_normal") = py::none(),
-             py::arg("object_position") = py::none(), py::arg("meters_per_unit") = 1.0,
+             py::arg("pixel"), py::arg("own_position") = py::none(),
+             py::arg("own_axes") = py::none(), py::arg("instance") = py::none(),
+             py::arg("coat_normal") = py::none(),
              R"doc(The whole paint under up to 8 listed lights in n pixels, on all cores.
 
 Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others, before
-the orange peel; object_position (n, 3): where the points lie in their object, in scene units, if
-not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
+the orange peel, whose waves are fixed to the own space.
 
 A dict. Over pixels and lights, per unit of the light's irradiance on a plane normal to it, 1/sr:
 sparkles (n, m, 3), as Composition joins them; scattered (n, m, 3), the diffuse and the glossy lobe;
@@ -222,8 +190,9 @@ albedos of the two lobes with the texture, alpha the glossy one's roughness; coa
 with the orange peel.)doc");
   module.def("reflectance", &reflect_light, py::arg("paint"), py::arg("light"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-             py::arg("pixel"), py::arg("coat_normal") = py::none(),
-             py::arg("object_position") = py::none(), py::arg("meters_per_unit") = 1.0,
+             py::arg("pixel"), py::arg("own_position") = py::none(),
+             py::arg("own_axes") = py::none(), py::arg("instance") = py::none(),
+             py::arg("coat_normal") = py::none(),
              R"doc(The whole paint under light that is not listed: world, area lights, neighbours.
 
 light (m, 3): unit vectors towards it; places as in shade.

@@ -18,13 +18,41 @@ namespace metallic_paint {
 // Arrays over n pixels, and the lights' slots behind them; row-major.
 struct PixelBatch {
   std::size_t size;
-  const double* position;         // n x 3, scene units
-  const double* normal;           // n x 3, unit
-  const double* view;             // n x 3, unit, towards the observer
-  const double* footprint;        // n, m2
-  const std::int32_t* pixel;      // n x 2
+  const double* position;                  // n x 3, scene units
+  const double* normal;                    // n x 3, unit
+  const double* view;                      // n x 3, unit, towards the observer
+  const double* footprint;                 // n, m2
+  const std::int32_t* pixel;               // n x 2
+  const double* own_position;              // n x 3, m
+  const double* own_axes = nullptr;        // n x 3 x 3, unit: the world's axes if not given
+  const std::int32_t* instance = nullptr;  // n: 0 if not given
   const double* slant = nullptr;  // n x lights x 3: optical depth t H in place of the layer's own
 };
+
+template <class T>
+Vec3<T> vector_at(const double* array, std::size_t i) {
+  return {static_cast<T>(array[3 * i]), static_cast<T>(array[3 * i + 1]),
+          static_cast<T>(array[3 * i + 2])};
+}
+
+template <class T>
+SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
+  SurfacePoint<T> point{vector_at<T>(batch.position, i),
+                        vector_at<T>(batch.normal, i),
+                        vector_at<T>(batch.view, i),
+                        static_cast<T>(batch.footprint[i]),
+                        batch.pixel[2 * i],
+                        batch.pixel[2 * i + 1]};
+  point.own.position = vector_at<T>(batch.own_position, i);
+  if (batch.own_axes != nullptr) {
+    point.own.x = vector_at<T>(batch.own_axes, 3 * i);
+    point.own.y = vector_at<T>(batch.own_axes, 3 * i + 1);
+    point.own.z = vector_at<T>(batch.own_axes, 3 * i + 2);
+  }
+  if (batch.instance != nullptr) point.own.instance = batch.instance[i];
+  return point;
+}
+
 struct PixelResults {
   std::int32_t* leader;  // n x lights
   // n x lights, of the flakes of one species; 0 for a light that does not lead.
@@ -51,19 +79,13 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
   for (const Light<double>& light : lights) {
     slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
   }
-  const auto vector_at = [](const double* array, std::size_t i) {
-    return Vec3<T>{static_cast<T>(array[3 * i]), static_cast<T>(array[3 * i + 1]),
-                   static_cast<T>(array[3 * i + 2])};
-  };
   const auto store = [](double* array, std::size_t i, Rgb<T> value) {
     array[3 * i] = static_cast<double>(value.x);
     array[3 * i + 1] = static_cast<double>(value.y);
     array[3 * i + 2] = static_cast<double>(value.z);
   };
   const auto evaluate_pixel = [&](std::size_t i) {
-    const SurfacePoint<T> point{vector_at(batch.position, i), vector_at(batch.normal, i),
-                                vector_at(batch.view, i),     static_cast<T>(batch.footprint[i]),
-                                batch.pixel[2 * i],           batch.pixel[2 * i + 1]};
+    const SurfacePoint<T> point = point_at<T>(batch, i);
     const SlotView<T> view = view_slots(slots, point);
     for (std::size_t light = 0; light < slots.size(); ++light) {
       const std::size_t at = i * slots.size() + light;
@@ -84,7 +106,7 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
       }
       PixelSparkles<T> all;
       if (leads) {
-        const Rgb<T> slant = batch.slant != nullptr ? vector_at(batch.slant, at) : Rgb<T>{};
+        const Rgb<T> slant = batch.slant != nullptr ? vector_at<T>(batch.slant, at) : Rgb<T>{};
         const Passage<T> way =
             pass_between(layer, point, view.seen[light], batch.slant != nullptr ? &slant : nullptr);
         all = sparkle(layer, point, way, static_cast<int>(light), paint.frame, paint.seed);

@@ -60,6 +60,16 @@ inline constexpr std::array kRadiometryWords{"exact", "published"};
 enum class Composition { exact = 0, published = 1 };
 inline constexpr std::array kCompositionWords{"exact", "published"};
 
+// What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they stay where
+// they are in the picture. 1 surface: they ride on the paint
+enum class Anchor { pixel = 0, surface = 1 };
+inline constexpr std::array kAnchorWords{"pixel", "surface"};
+
+// With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has flakes of
+// its own, by the Random of Object Info
+enum class Instances { same = 0, own = 1 };
+inline constexpr std::array kInstancesWords{"same", "own"};
+
 // Calls visit(name, Choice{}, words, explanation) for each of them.
 template <class Visit>
 void each_choice(const Visit& visit) {
@@ -82,6 +92,12 @@ void each_choice(const Visit& visit) {
   visit("Composition", Composition{}, kCompositionWords,
         "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots "
         "a pixel takes the brighter of both");
+  visit("Anchor", Anchor{}, kAnchorWords,
+        "What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they "
+        "stay where they are in the picture. 1 surface: they ride on the paint");
+  visit("Instances", Instances{}, kInstancesWords,
+        "With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has "
+        "flakes of its own, by the Random of Object Info");
 }
 
 }  // namespace metallic_paint

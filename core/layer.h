@@ -54,6 +54,9 @@ struct Layer {
   DepthModel depth_model;
   Radiometry radiometry;
   T sparkle_contrast;  // share of the sparkles' fluctuation that is shown
+  Anchor anchor;
+  Instances instances;
+  T cell_share;  // of a pixel's footprint that a cell of the surface has
 };
 
 // At normal incidence a plane mirror of area S turns a plane wave into one that has the brightness
@@ -106,6 +109,9 @@ Layer<T> make_layer(const Paint& paint) {
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
   layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);
+  layer.anchor = paint.anchor;
+  layer.instances = paint.instances;
+  layer.cell_share = 1 / static_cast<T>(paint.cells_per_pixel);
   return layer;
 }
 

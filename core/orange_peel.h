@@ -19,7 +19,7 @@ inline constexpr double kPerlinDeviation = 0.26;
 inline constexpr double kLeastHeight = 0.01;
 
 // The normal tilted by a slope whose root mean square is `slope`; p, where the point lies in its
-// object, and `size` in the same unit.
+// own space, and `size` in m.
 template <class T>
 Vec3<T> orange_peel(Vec3<T> normal, Vec3<T> p, T slope, T size) {
   const Vec3<T> waves = perlin_noise(p / size);

@@ -147,6 +147,12 @@ void validate(const PixelBatch& batch, std::size_t lights) {
     require_unit_or_zero("normal", batch.normal + 3 * i, i);
     require_unit_or_zero("view", batch.view + 3 * i, i);
     require_range(at_row("footprint", i), batch.footprint[i], 0, 1e30, " m2");
+    for (std::size_t c = 0; c < 3; ++c) {
+      require_range(at_row("own_position", i), batch.own_position[3 * i + c], -1e30, 1e30, " m");
+    }
+    for (std::size_t c = 0; batch.own_axes != nullptr && c < 3; ++c) {
+      require_unit_or_zero("own_axes", batch.own_axes + 9 * i + 3 * c, i);
+    }
     if (batch.slant == nullptr) continue;
     const std::string slant_depth = at_row("slant_depth", i);
     for (std::size_t k = 3 * lights * i; k < 3 * lights * (i + 1); ++k) {

@@ -70,6 +70,15 @@ struct Paint : FlakeSpecies {
   // 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel
   // takes the brighter of both
   Composition composition = Composition::exact;
+  // What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they stay
+  // where they are in the picture. 1 surface: they ride on the paint
+  Anchor anchor = Anchor::surface;
+  // With Anchor surface: so many cells of the paint, each with sparkles of its own, lie in a pixel.
+  // More show them sharper and want more samples; 1 to 64
+  double cells_per_pixel = 5;
+  // With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has flakes
+  // of its own, by the Random of Object Info
+  Instances instances = Instances::own;
   // How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, only
   // their mean is left. With Composition exact, the paint stays as bright; 0 to 1
   double sparkle_contrast = 1;
@@ -132,6 +141,9 @@ void each_paint_parameter(const Visit& visit) {
   visit("depth_model", &Paint::depth_model, kDepthModelWords);
   visit("radiometry", &Paint::radiometry, kRadiometryWords);
   visit("composition", &Paint::composition, kCompositionWords);
+  visit("anchor", &Paint::anchor, kAnchorWords);
+  visit("cells_per_pixel", &Paint::cells_per_pixel, Range{1, 64});
+  visit("instances", &Paint::instances, kInstancesWords);
   visit("sparkle_contrast", &Paint::sparkle_contrast, Range{0, 1});
   visit("seed", &Paint::seed, Range{-2147483648, 2147483647});
   visit("substrate_color", &Paint::substrate_color, Range{0, 1});

@@ -14,12 +14,21 @@
 
 namespace metallic_paint {
 
+// The space in which the paint's flakes rest: the object's, or that of a rest position.
+template <class T>
+struct OwnSpace {
+  Vec3<T> position{};                          // of the point, m
+  Vec3<T> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  // its axes in the world
+  int instance = 0;                            // tells copies of one object apart
+};
+
 // Where the paint is looked at. The view is a unit vector towards the observer.
 template <class T>
 struct SurfacePoint {
   Vec3<T> position, normal, view;
   T footprint;  // Sigma, area of the pixel's projection on the surface, m2
   int pixel_x, pixel_y;
+  OwnSpace<T> own{};
 };
 
 // What the flakes of all species share: the way of a light through this point to the observer.

@@ -68,12 +68,14 @@ struct Mirror {
   T g_view{}, g_light{};      // eta times the cosines in the binder
   T cos_alpha{};              // angle on the flake
   T sin2_half_beta{};         // flake normal to paint normal
+  Vec3<T> flake_normal{};
 };
 
 // Unit vectors that point away from the surface. Refracted (paper, eq. 8), v = V/eta +
 // n (cos(theta_p) - cos(theta)/eta), so v + v' = (t + n G)/eta with the tangential part of V + V',
 // t = V + V' - n (cos(theta) + cos(theta')), and G = g + g'. Its length is s/eta = 2 cos(alpha)
 // with s^2 = t^2 + G^2, and tan(beta) = t/G, so sin^2(beta/2) = (1 - G/s)/2 = t^2/(2 s (s + G)).
+// The flake's normal halves the angle between both: (t + n G)/s.
 template <class T>
 Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   Mirror<T> mirror;
@@ -89,6 +91,7 @@ Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   const T s = std::sqrt(tangent_square + along * along);
   mirror.cos_alpha = std::min(s / (2 * eta), T(1));
   mirror.sin2_half_beta = std::min(tangent_square / (2 * s * (s + along)), T(0.5));
+  mirror.flake_normal = (tangent + normal * along) / s;
   mirror.possible = true;
   return mirror;
 }

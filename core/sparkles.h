@@ -35,6 +35,7 @@
 #include <algorithm>
 #include <array>
 
+#include "anchor.h"
 #include "draw.h"
 #include "expected_sparkles.h"
 #include "layer.h"
@@ -61,10 +62,20 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point, co
   for (int i = 0; i < layer.species; ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     const Flakes<T>& flakes = layer.flakes[at];
-    const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, point.footprint, way);
-    const Sparkles<T> drawn =
-        draw_sparkles(expected, flakes.area_spread, stream_key(light, i, frame, seed),
-                      point.pixel_x, point.pixel_y);
+    T area = point.footprint;
+    HashWords key = stream_key(light, i, frame, seed);
+    int x = point.pixel_x, y = point.pixel_y;
+    if (layer.anchor == Anchor::surface && way.open) {
+      const Cell<T> cell = find_cell(point, layer.cell_share, flakes.flake_area * flakes.area.mean,
+                                     own_stream(layer, point.own, i, frame, seed));
+      const Wide<T> cone = quarter_cone(cone_in_binder(flakes, way), way);
+      area = cell.area;
+      key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
+                         static_cast<T>(cone));
+      x = y = 0;
+    }
+    const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
+    const Sparkles<T> drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
     all.expected[at] = expected;
     all.count[at] = drawn.count;
     all.radiance = all.radiance + drawn.radiance;

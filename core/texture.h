@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anchor.h"
 #include "elementary.h"
 #include "light.h"
 #include "random.h"
@@ -39,6 +40,18 @@ T pixel_texture(T contrast, T footprint, int pixel_x, int pixel_y, int frame, in
   const HashWords words =
       draw_words(stream_key(kTextureStream, 0, frame, seed), pixel_x, pixel_y, 0);
   return texture_factor(contrast, footprint, normal_quantile(uniform_48<T>(words.x, words.y)));
+}
+
+// The factor of the point's pixel, or of its cell of the surface.
+template <class T>
+T texture_at(const Layer<T>& layer, const SurfacePoint<T>& point, T contrast, int frame, int seed) {
+  if (layer.anchor == Anchor::pixel) {
+    return pixel_texture(contrast, point.footprint, point.pixel_x, point.pixel_y, frame, seed);
+  }
+  const Cell<T> cell = find_cell(point, layer.cell_share, T(0),
+                                 own_stream(layer, point.own, kTextureStream, frame, seed));
+  return texture_factor(contrast, cell.area,
+                        normal_quantile(uniform_48<T>(cell.key.x, cell.key.y)));
 }
 
 }  // namespace metallic_paint

@@ -28,14 +28,6 @@
 
 namespace metallic_paint {
 
-// The surface of the binder at a pixel.
-template <class T>
-struct CoatSurface {
-  Vec3<T> normal;           // before the orange peel
-  Vec3<T> object_position;  // where the point lies in its object, scene units
-  T meters_per_unit = 1;
-};
-
 // What no light has a part in.
 template <class T>
 struct Stack {
@@ -51,9 +43,10 @@ struct Stack {
   T coat_scale{}, glossy_scale{};
 };
 
+// `coat_normal`: of the binder's surface, before the orange peel.
 template <class T>
 Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoint<T>& point,
-                    const CoatSurface<T>& surface) {
+                    Vec3<T> coat_normal) {
   Stack<T> stack;
   const T cos_view = seen_cosine(point.normal, point.view);
   const T roughness = static_cast<T>(paint.coat_roughness);
@@ -65,11 +58,11 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
     stack.coat.reflected = stack.facets;
   }
   // A coat whose normal is bent reflects elsewhere, and as much.
-  stack.coat_normal = surface.normal;
+  stack.coat_normal = coat_normal;
   if (paint.orange_peel > 0) {
     stack.coat_normal =
-        orange_peel(surface.normal, surface.object_position, static_cast<T>(paint.orange_peel),
-                    static_cast<T>(paint.orange_peel_mm) * T(0.001) / surface.meters_per_unit);
+        orange_peel(coat_normal, point.own.position, static_cast<T>(paint.orange_peel),
+                    static_cast<T>(paint.orange_peel_mm) * T(0.001));
   }
   if (dot(stack.coat_normal, point.normal) < T(0.999999)) {
     stack.coat_normal = above_surface(stack.coat_normal, point.normal, point.view);
@@ -84,8 +77,8 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
     stack.glossy = {};
   }
   if (paint.texture_contrast > 0) {
-    stack.texture = pixel_texture(static_cast<T>(paint.texture_contrast), point.footprint,
-                                  point.pixel_x, point.pixel_y, paint.frame, paint.seed);
+    stack.texture =
+        texture_at(layer, point, static_cast<T>(paint.texture_contrast), paint.frame, paint.seed);
   }
   if (max_component(stack.glossy) > 0) {
     stack.glossy_scale = 1 / facet_lobe_albedo(cos_view, stack.alpha);

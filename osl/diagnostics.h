@@ -24,6 +24,11 @@
 #define SHOW_TEXTURE 16       // the factor by which diffuse and glossy lobe fluctuate
 #define SHOW_GLOSSY 17        // albedo of the glossy lobe: what flakes mirror more than once, RGB
 #define SHOW_ROUGHNESS 18     // alpha of the glossy lobe
+#define SHOW_OWN_POSITION 19  // in the own space, m
+#define SHOW_OWN_X 20         // its axes in the world
+#define SHOW_OWN_Y 21
+#define SHOW_OWN_Z 22
+#define SHOW_INSTANCE 23
 
 int is_sound(float x)
 {
@@ -88,6 +93,16 @@ int is_sound(color x)
     Shown = stack.glossy; \
   else if (Diagnostic == SHOW_ROUGHNESS) \
     Shown = color(stack.alpha); \
+  else if (Diagnostic == SHOW_OWN_POSITION) \
+    Shown = color(surface.own.position); \
+  else if (Diagnostic == SHOW_OWN_X) \
+    Shown = color(surface.own.x); \
+  else if (Diagnostic == SHOW_OWN_Y) \
+    Shown = color(surface.own.y); \
+  else if (Diagnostic == SHOW_OWN_Z) \
+    Shown = color(surface.own.z); \
+  else if (Diagnostic == SHOW_INSTANCE) \
+    Shown = color(surface.own.instance); \
   if (Diagnostic == SHOW_IRRADIANCE) \
     BSDF = irradiance; \
   else if (Diagnostic == SHOW_SPARKLES) \

@@ -32,6 +32,9 @@ struct Layer {
   int depth_model;
   int radiometry;
   float sparkle_contrast;
+  int anchor;
+  int instances;
+  float cell_share;
 };
 
 float diffraction_spread(float diameter_um, float eta)
@@ -84,6 +87,9 @@ Layer make_layer(Paint given, Flakes flakes[SPECIES], int present)
   layer.depth_model = given.depth_model;
   layer.radiometry = given.radiometry;
   layer.sparkle_contrast = given.sparkle_contrast;
+  layer.anchor = given.anchor;
+  layer.instances = given.instances;
+  layer.cell_share = 1.0 / given.cells_per_pixel;
   return layer;
 }
 

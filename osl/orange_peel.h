@@ -13,7 +13,7 @@
 #define PERLIN_DEVIATION 0.26
 #define LEAST_HEIGHT 0.01  // the sine of how far above the horizon light leaves, unless the view is lower
 
-// The normal tilted by a slope whose root mean square is `slope`; p and `size` in scene units.
+// The normal tilted by a slope whose root mean square is `slope`; p, where the point lies in its own space, and `size` in m.
 vector orange_peel(vector n, point p, float slope, float size)
 {
   vector waves = noise("perlin", p / size);
@@ -34,13 +34,4 @@ vector above_surface(vector coat_n, vector n, vector view)
   vector up = mirrored + n * (max(-height, least) - height);
   vector half = view + up / sqrt(inner_product(up, up));
   return half / sqrt(inner_product(half, half));
-}
-
-// Where a point lies in its object, which the waves are fixed to: in world units along each of the object's axes.
-point object_point(point p)
-{
-  point q = transform("object", p);
-  return point(q[0] * length(transform("object", "common", vector(1.0, 0.0, 0.0))),
-               q[1] * length(transform("object", "common", vector(0.0, 1.0, 0.0))),
-               q[2] * length(transform("object", "common", vector(0.0, 0.0, 1.0))));
 }

@@ -30,6 +30,9 @@ struct Paint {
   int depth_model;
   int radiometry;
   int composition;
+  int anchor;
+  float cells_per_pixel;
+  int instances;
   float sparkle_contrast;
   int seed;
   color substrate_color;
@@ -62,9 +65,9 @@ FlakeSpecies sound_species(float flakes_per_mm2, float default_flakes_per_mm2, f
 }
 
 Paint sound_paint(float binder_ior, float layer_thickness_um, color binder_absorption_per_mm, float rayleigh_per_mm,
-                  int diffraction, int depth_model, int radiometry, int composition, float sparkle_contrast, int seed,
-                  color substrate_color, float texture_contrast, float coat_roughness, float orange_peel,
-                  float orange_peel_mm)
+                  int diffraction, int depth_model, int radiometry, int composition, int anchor, float cells_per_pixel,
+                  int instances, float sparkle_contrast, int seed, color substrate_color, float texture_contrast,
+                  float coat_roughness, float orange_peel, float orange_peel_mm)
 {
   Paint given;
   given.binder_ior = sound(binder_ior, 0.1, 10.0, 1.5);
@@ -75,6 +78,9 @@ Paint sound_paint(float binder_ior, float layer_thickness_um, color binder_absor
   given.depth_model = clamp(depth_model, 0, 1);
   given.radiometry = clamp(radiometry, 0, 1);
   given.composition = clamp(composition, 0, 1);
+  given.anchor = clamp(anchor, 0, 1);
+  given.cells_per_pixel = sound(cells_per_pixel, 1.0, 64.0, 5.0);
+  given.instances = clamp(instances, 0, 1);
   given.sparkle_contrast = sound(sparkle_contrast, 0.0, 1.0, 1.0);
   given.seed = seed;
   given.substrate_color = sound(substrate_color, 0.0, 1.0, color(0.02, 0.02, 0.02));
@@ -99,4 +105,5 @@ Paint sound_paint(float binder_ior, float layer_thickness_um, color binder_absor
                 ThirdFlakeCoatingNm)
 #define SOUND_PAINT \
   sound_paint(BinderIor, LayerThicknessUm, BinderAbsorptionPerMm, RayleighPerMm, Diffraction, DepthModel, Radiometry, \
-              Composition, SparkleContrast, Seed, SubstrateColor, TextureContrast, CoatRoughness, OrangePeel, OrangePeelMm)
+              Composition, Anchor, CellsPerPixel, Instances, SparkleContrast, Seed, SubstrateColor, TextureContrast, \
+              CoatRoughness, OrangePeel, OrangePeelMm)

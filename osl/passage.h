@@ -7,6 +7,14 @@
 #include "light.h"
 #include "refraction.h"
 
+struct OwnSpace {
+  point position;
+  vector x;
+  vector y;
+  vector z;
+  int instance;
+};
+
 struct SurfacePoint {
   point position;
   vector n;
@@ -15,6 +23,7 @@ struct SurfacePoint {
   color slant;  // optical depth of the layer towards the observer
   int pixel_x;
   int pixel_y;
+  OwnSpace own;
 };
 
 struct Passage {

@@ -45,6 +45,7 @@ struct Mirror {
   float g_light;
   float cos_alpha;
   float sin2_half_beta;
+  vector flake_normal;
 };
 
 Mirror mirror_between(vector n, vector view, vector light, float eta)
@@ -53,6 +54,7 @@ Mirror mirror_between(vector n, vector view, vector light, float eta)
   mirror.possible = 0;
   mirror.cos_alpha = 1.0;
   mirror.sin2_half_beta = 0.0;
+  mirror.flake_normal = n;
   mirror.g_view = 0.0;
   mirror.g_light = 0.0;
   mirror.cos_view = min(inner_product(n, view), 1.0);
@@ -69,6 +71,7 @@ Mirror mirror_between(vector n, vector view, vector light, float eta)
   float s = sqrt(tangent_square + along * along);
   mirror.cos_alpha = min(s / (2.0 * eta), 1.0);
   mirror.sin2_half_beta = min(tangent_square / (2.0 * s * (s + along)), 0.5);
+  mirror.flake_normal = (tangent + n * along) / s;
   mirror.possible = 1;
   return mirror;
 }

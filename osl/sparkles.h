@@ -3,6 +3,7 @@
 // The sparkles of one light in one pixel: see core/sparkles.h for the model and its derivation.
 #pragma once
 
+#include "anchor.h"
 #include "draw.h"
 #include "expected_sparkles.h"
 #include "layer.h"
@@ -29,7 +30,21 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   float ceiling = 0.0;
   int only_mean = blurred || !(layer.sparkle_contrast > 0.0);
   for (int i = 0; i < layer.species; ++i) {
-    ExpectedSparkles expected = expect_sparkles(layer, flakes[i], library, surface.footprint, way);
+    Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
+    float area = surface.footprint;
+    HashWords key = stream_key(light, i, frame, seed);
+    int x = surface.pixel_x;
+    int y = surface.pixel_y;
+    if (layer.anchor == ANCHOR_SURFACE && way.open) {
+      Cell cell = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
+                            own_stream(layer, surface.own, i, frame, seed));
+      float cone = quarter_cone(cone_in_binder(some, way), way);
+      area = cell.area;
+      key = about_normal(cell.key, own_direction(surface.own, way.mirror.flake_normal), cone);
+      x = 0;
+      y = 0;
+    }
+    ExpectedSparkles expected = expect_sparkles(layer, some, library, area, way);
     color mean = color(0.0);
     if (only_mean || asked_mean)
       mean = mean_radiance(expected);
@@ -37,8 +52,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
     drawn.count = floor(expected.mean_count + 0.5);
     drawn.radiance = min(mean, color(expected.ceiling));
     if (!only_mean)
-      drawn = draw_sparkles(expected, flakes[i].area_spread, stream_key(light, i, frame, seed),
-                            surface.pixel_x, surface.pixel_y);
+      drawn = draw_sparkles(expected, some.area_spread, key, x, y);
     if (i == shown) {
       all.count = drawn.count;
       all.mean_count = expected.mean_count;

@@ -3,6 +3,7 @@
 // Regular texture: the light scattered several times fluctuates from pixel to pixel. See core/texture.h.
 #pragma once
 
+#include "anchor.h"
 #include "elementary.h"
 #include "random.h"
 
@@ -24,4 +25,12 @@ float pixel_texture(float contrast, float footprint, int pixel_x, int pixel_y, i
 {
   HashWords words = draw_words(stream_key(TEXTURE_STREAM, 0, frame, seed), pixel_x, pixel_y, 0);
   return texture_factor(contrast, footprint, normal_quantile(uniform_48(words.x, words.y)));
+}
+
+float texture_at(Layer layer, SurfacePoint surface, float contrast, int frame, int seed)
+{
+  if (layer.anchor == ANCHOR_PIXEL)
+    return pixel_texture(contrast, surface.footprint, surface.pixel_x, surface.pixel_y, frame, seed);
+  Cell cell = find_cell(surface, layer.cell_share, 0.0, own_stream(layer, surface.own, TEXTURE_STREAM, frame, seed));
+  return texture_factor(contrast, cell.area, normal_quantile(uniform_48(cell.key.x, cell.key.y)));
 }

@@ -10,12 +10,6 @@
 #include "passage.h"
 #include "texture.h"
 
-struct CoatSurface {
-  vector n;
-  point object_position;
-  float meters_per_unit;
-};
-
 struct Stack {
   Coat coat;
   vector coat_normal;
@@ -28,7 +22,7 @@ struct Stack {
 };
 
 // What no light has a part in.
-Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, CoatSurface coat,
+Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, vector given_coat_n,
                  int frame)
 {
   Stack stack;
@@ -43,9 +37,9 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
       stack.coat.reflected = stack.facets;
   }
   // A coat whose normal is bent reflects elsewhere, and as much.
-  vector coat_n = coat.n;
+  vector coat_n = given_coat_n;
   if (given.orange_peel > 0.0)
-    coat_n = orange_peel(coat_n, coat.object_position, given.orange_peel, given.orange_peel_mm * 0.001 / coat.meters_per_unit);
+    coat_n = orange_peel(coat_n, surface.own.position, given.orange_peel, given.orange_peel_mm * 0.001);
   if (inner_product(coat_n, n) < 0.999999)
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
@@ -61,8 +55,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
   }
   stack.texture = 1.0;
   if (given.texture_contrast > 0.0)
-    stack.texture = pixel_texture(given.texture_contrast, surface.footprint, surface.pixel_x, surface.pixel_y, frame,
-                                  given.seed);
+    stack.texture = texture_at(layer, surface, given.texture_contrast, frame, given.seed);
   stack.diffuse = stack.diffuse * stack.texture;
   stack.glossy = stack.glossy * stack.texture;
   return stack;

@@ -59,6 +59,9 @@ def evaluate(
     view: ArrayLike,
     footprint: ArrayLike,
     pixel: ArrayLike,
+    own_position: ArrayLike | None = None,
+    own_axes: ArrayLike | None = None,
+    instance: ArrayLike | None = None,
     slant_depth: ArrayLike | None = None,
     precision: Literal["float", "double"] = "double",
     species: int = 0,
@@ -87,15 +90,15 @@ def shade(
     view: ArrayLike,
     footprint: ArrayLike,
     pixel: ArrayLike,
+    own_position: ArrayLike | None = None,
+    own_axes: ArrayLike | None = None,
+    instance: ArrayLike | None = None,
     coat_normal: ArrayLike | None = None,
-    object_position: ArrayLike | None = None,
-    meters_per_unit: float = 1.0,
 ) -> Shades:
     """The whole paint under up to 8 listed lights in n pixels, on all cores.
 
     Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they are others,
-    before the orange peel; object_position (n, 3): where the points lie in their object, in scene
-    units, if not as position says; meters_per_unit: of the scene, 1e-12 to 1e12.
+    before the orange peel, whose waves are fixed to the own space.
 
     What it says of lights is per unit of their irradiance on a plane normal to them:
     radiance = shine + coat_rest (sparkles + scattered). 0 where a light is below the surface. A
@@ -116,9 +119,10 @@ def reflectance(
     view: ArrayLike,
     footprint: ArrayLike,
     pixel: ArrayLike,
+    own_position: ArrayLike | None = None,
+    own_axes: ArrayLike | None = None,
+    instance: ArrayLike | None = None,
     coat_normal: ArrayLike | None = None,
-    object_position: ArrayLike | None = None,
-    meters_per_unit: float = 1.0,
 ) -> Reflectances:
     """The whole paint under light that is not listed: world, area lights, neighbours.
 

@@ -43,6 +43,14 @@ class Composition(IntEnum):
     exact = 0
     published = 1
 
+class Anchor(IntEnum):
+    pixel = 0
+    surface = 1
+
+class Instances(IntEnum):
+    same = 0
+    own = 1
+
 Colour = tuple[float, float, float]
 
 class FlakeSpecies:
@@ -99,6 +107,15 @@ class Paint(FlakeSpecies):
     # 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a
     # pixel takes the brighter of both
     composition: Composition
+    # What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they stay
+    # where they are in the picture. 1 surface: they ride on the paint
+    anchor: Anchor
+    # With Anchor surface: so many cells of the paint, each with sparkles of its own, lie in a
+    # pixel. More show them sharper and want more samples; 1 to 64
+    cells_per_pixel: float
+    # With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has flakes
+    # of its own, by the Random of Object Info
+    instances: Instances
     # How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, only
     # their mean is left. With Composition exact, the paint stays as bright; 0 to 1
     sparkle_contrast: float

@@ -109,13 +109,11 @@ struct Arrays {
     for (auto* array : {&radiance, &mean, &variance}) array->resize(3 * all);
   }
   PixelBatch batch(bool with_slant) const {
-    return {footprint.size(),
-            position.data(),
-            normal.data(),
-            view.data(),
-            footprint.data(),
-            pixel.data(),
-            with_slant ? slant.data() : nullptr};
+    return {footprint.size(), position.data(),
+            normal.data(),    view.data(),
+            footprint.data(), pixel.data(),
+            position.data(),  nullptr,
+            nullptr,          with_slant ? slant.data() : nullptr};
   }
   PixelResults results() {
     return {leader.data(),   slots.data(), mean_count.data(), count.data(),

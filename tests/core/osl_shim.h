@@ -50,6 +50,8 @@ inline float fabs(float x) { return std::fabs(x); }
 inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float asin(float x) { return std::asin(x); }
+inline float ceil(float x) { return std::ceil(x); }
+inline int getattribute(const char*, float&) { return 0; }
 inline int isfinite(float x) { return std::isfinite(x); }
 inline int min(int a, int b) { return a < b ? a : b; }
 inline int max(int a, int b) { return a > b ? a : b; }
@@ -96,6 +98,7 @@ inline float reflection(Triple) { return 1; }
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wshadow"
+#include "osl/anchor.h"
 #include "osl/composition.h"
 #include "osl/cones.h"
 #include "osl/flake_lobe.h"

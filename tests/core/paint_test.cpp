@@ -291,8 +291,13 @@ TEST(PixelInput, BadPixelsAreRefused) {
   std::vector<double> position(9, 0.0), normal{0, 0, 1, 0, 0, 0, 0, 1, 0}, view = normal,
                                                                            footprint{1, 0, 1e30};
   const std::vector<std::int32_t> pixel(6, 0);
-  const PixelBatch batch{3,           position.data(),  normal.data(),
-                         view.data(), footprint.data(), pixel.data()};
+  const PixelBatch batch{3,
+                         position.data(),
+                         normal.data(),
+                         view.data(),
+                         footprint.data(),
+                         pixel.data(),
+                         position.data()};
   EXPECT_EQ(complaint(batch), "");
   for (double bad : {kNan, kInf, -1.0}) {
     footprint[1] = bad;

@@ -22,9 +22,10 @@ namespace core_tests {
 using namespace metallic_paint;
 
 // The independent formulas know the flake's own spread alone: what diffraction adds to it, and no
-// more than that, is in paint_test.cpp.
+// more than that, is in paint_test.cpp. They know pixels alone: cells are in anchor_test.cpp.
 inline Paint undiffracted() {
   Paint paint;
+  paint.anchor = Anchor::pixel;
   paint.diffraction = Diffraction::none;
   return paint;
 }

@@ -133,6 +133,9 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
   same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
   same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);
+  same("anchor", shader.anchor, static_cast<int>(core.anchor));
+  same("instances", shader.instances, static_cast<int>(core.instances));
+  same("cell_share", shader.cell_share, core.cell_share);
 }
 
 void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
@@ -210,6 +213,24 @@ ParityScene random_scene(Random& random) {
   }
   if (random.below(2) == 0)
     scene.point.footprint = static_cast<float>(random.log_uniform(1e-12, 1e-2));
+  scene.paint.anchor = random.below(3) == 0 ? Anchor::pixel : Anchor::surface;
+  scene.paint.instances = random.below(2) == 0 ? Instances::same : Instances::own;
+  // Anywhere in an object of any size, turned anyhow.
+  const double far = random.log_uniform(1e-9, random.below(8) == 0 ? 1e30 : 1e3);
+  scene.point.own.position = {static_cast<float>(far * random.uniform(-1, 1)),
+                              static_cast<float>(far * random.uniform(-1, 1)),
+                              static_cast<float>(far * random.uniform(-1, 1))};
+  if (random.below(4) != 0) {
+    const Vec3<float> x = unit(random, -1), other = unit(random, -1);
+    const Vec3<float> across = other - x * dot(x, other);
+    if (length(across) > 1e-3f) {
+      const Vec3<float> y = across / length(across);
+      scene.point.own.x = x;
+      scene.point.own.y = y;
+      scene.point.own.z = {x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x};
+    }
+  }
+  scene.point.own.instance = static_cast<int>(random.bits());
   for (int i = 0; i < kLightSlots; ++i) {
     Light<float> light;
     light.kind = static_cast<LightKind>(random.below(3));
@@ -255,6 +276,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
   surface.pixel_x = point.pixel_x;
   surface.pixel_y = point.pixel_y;
+  surface.own = {to_osl(point.own.position), to_osl(point.own.x), to_osl(point.own.y),
+                 to_osl(point.own.z), point.own.instance};
   same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);
@@ -301,14 +324,17 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       same("surface transmittance", shader_way.surface_transmittance, way.surface);
       same("cos_exit", shader_way.cos_exit, way.cos_exit);
       same("passage's slant", shader_way.slant, way.slant);
+      same("flake_normal", shader_way.mirror.flake_normal, way.mirror.flake_normal);
     }
     const auto core_all = sparkle(layer, point, way, slot[at], paint.frame, paint.seed);
     for (int species = 0; species < layer.species; ++species) {
       const auto of = static_cast<std::size_t>(species);
-      compare(same,
-              osl::expect_sparkles(shader_layer, shader_flakes[of], library, point.footprint,
-                                   shader_way),
-              core_all.expected[of]);
+      if (paint.anchor == Anchor::pixel) {
+        compare(same,
+                osl::expect_sparkles(shader_layer, shader_flakes[of], library, point.footprint,
+                                     shader_way),
+                core_all.expected[of]);
+      }
       const auto all = osl::sparkle(shader_layer, shader_flakes, library, surface, shader_way,
                                     slot[at], paint.frame, paint.seed, 0, 1, species);
       same("count", all.count, core_all.count[of]);
@@ -359,12 +385,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
 
   // The stack of all that.
-  const CoatSurface<float> coat{point.normal, point.position, 1e-3f};
-  const Stack<float> stack = make_stack(paint, layer, point, coat);
-  const osl::CoatSurface shader_coat{to_osl(coat.normal), to_osl(coat.object_position),
-                                     coat.meters_per_unit};
+  const Stack<float> stack = make_stack(paint, layer, point, point.normal);
   const osl::Stack shader_stack = osl::make_stack(given, shader_layer, shader_flakes, library,
-                                                  surface, shader_coat, paint.frame);
+                                                  surface, to_osl(point.normal), paint.frame);
   same("coat.reflected", shader_stack.coat.reflected, stack.coat.reflected);
   same("coat.rest", shader_stack.coat.rest, stack.coat.rest);
   same("coat_normal", shader_stack.coat_normal, stack.coat_normal);

@@ -21,8 +21,6 @@ SurfacePoint<double> seen_at(double cosine) {
   return {{}, kUp, {std::sqrt((1 - cosine) * (1 + cosine)), 0, cosine}, 1e-6, 3, 4};
 }
 
-CoatSurface<double> flat_coat() { return {kUp, {}, 1}; }
-
 // The integral of f(light) over the half sphere, by n x n equal shares of cos d omega.
 template <class F>
 auto over_half_sphere(int n, const F& f) {
@@ -94,7 +92,7 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     const auto layer = scene.layer<double>();
     const auto point = scene.point<double>();
     const auto light = scene.seen<double>();
-    const auto stack = make_stack(scene.paint, layer, point, {point.normal, {}, 1});
+    const auto stack = make_stack(scene.paint, layer, point, point.normal);
     const double cos_view = seen_cosine(point.normal, point.view);
     const auto m = mixture(layer, scene.paint.substrate_color, cos_view);
     const double roughness = scene.paint.coat_roughness;
@@ -152,7 +150,7 @@ TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
     paint.coat_roughness = random.uniform(0.2, 0.6);
     const auto layer = make_layer<double>(paint);
     const auto point = seen_at(random.uniform(0.3, 1));
-    const auto stack = make_stack(paint, layer, point, flat_coat());
+    const auto stack = make_stack(paint, layer, point, kUp);
     EXPECT_EQ(max_component(stack.glossy), 0);
     const SeenLight<double> light{
         Vec3<long double>(spherical(random.uniform(0, 1), random.uniform(0, 6))), 1e-5L, true};
@@ -187,7 +185,7 @@ TEST(WholePaint, WhiteFurnace) {
     const auto point = seen_at(cosine);
     const auto layer = make_layer<double>(paint);
     const auto albedo = [&] {
-      return directional_albedo(layer, make_stack(paint, layer, point, flat_coat()), point).x;
+      return directional_albedo(layer, make_stack(paint, layer, point, kUp), point).x;
     };
     smooth.see(std::abs(albedo() - 1), "tilt", paint.tilt, "cosine", cosine, "eta", layer.eta);
     paint.coat_roughness = random.uniform(0, 1);
@@ -235,7 +233,7 @@ TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
     paint.texture_contrast = k % 4 == 0 ? 0 : 0.5;
     const auto point = seen_at(random.uniform(0.3, 1));
     const auto layer = make_layer<double>(paint);
-    const auto stack = make_stack(paint, layer, point, flat_coat());
+    const auto stack = make_stack(paint, layer, point, kUp);
     const Rgb<double> integral = over_half_sphere(
         300, [&](Vec3<double> light) { return reflectance(layer, stack, point, light); });
     const double mirror = stack.coat_alpha > 0 ? 0 : stack.coat.reflected;
@@ -281,13 +279,12 @@ void expect_finite_everywhere() {
       const double s = std::sqrt((1 - c) * (1 + c)), phi = random.uniform(0, 6.28);
       return Vec3<T>(Vec3<double>{s * std::cos(phi), s * std::sin(phi), c});
     };
-    const SurfacePoint<T> point{
+    SurfacePoint<T> point{
         {}, {0, 0, 1}, direction(), static_cast<T>(random.log_uniform(1e-30, 1e30)), k, -k};
-    const CoatSurface<T> coat{
-        {0, 0, 1},
-        Vec3<T>{T(random.log_uniform(1e-30, 1e30)), T(-random.log_uniform(1e-30, 1e30)), 0},
-        static_cast<T>(random.log_uniform(1e-12, 1e12))};
-    const auto stack = make_stack(paint, layer, point, coat);
+    point.own.position = {T(random.log_uniform(1e-30, 1e30)), T(-random.log_uniform(1e-30, 1e30)),
+                          0};
+    const Vec3<T> up{0, 0, 1};
+    const auto stack = make_stack(paint, layer, point, up);
     const Light<T> lamp{LightKind::parallel, direction(), T(random.log_uniform(1e-9, 1))};
     const auto light = see_light(lamp, point.position);
     const auto way = pass_between(layer, point, light);

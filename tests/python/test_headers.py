@@ -13,7 +13,7 @@ SHADER = sorted(path.name for path in (ROOT / "osl").glob("*.h"))
 
 # Functions that only one of the two has, and why.
 ONLY_SHADER = {
-    "object_point": "the renderer's transforms",
+    "find_own_space": "the renderer's transforms",
     "find_pixel": "the renderer's transforms",
     "sparkle_cone": "a closure",
     "mirrored_cone": "a closure",

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from .parameter import Color, Parameter
 
 # fmt: off
-VERSION_OF_DEFAULTS = 1
+VERSION_OF_DEFAULTS = 2
 # By field: a default that was, and the last version of the defaults that had it.
 FORMER_DEFAULTS: dict[str, tuple[tuple[int, float | str | Color], ...]] = {
+    "anchor": ((1, "pixel"),),
 }
 
 # Of two colours; 1 but for the rounding of floats.
@@ -43,6 +44,9 @@ class PaintFields:
     depth_model: str = "attenuated"
     radiometry: str = "exact"
     composition: str = "exact"
+    anchor: str = "surface"
+    cells_per_pixel: float = 5.0
+    instances: str = "own"
     sparkle_contrast: float = 1.0
     seed: int = 0
     substrate_color: Color = (0.02, 0.02, 0.02)
@@ -162,6 +166,23 @@ PAINT_PARAMETERS = {
         "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots "
         "a pixel takes the brighter of both",
         choices=("exact", "published"),
+    ),
+    "anchor": Parameter(
+        "Anchor", "Anchor", "Sparkle", 0, 1,
+        "What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they "
+        "stay where they are in the picture. 1 surface: they ride on the paint",
+        choices=("pixel", "surface"),
+    ),
+    "cells_per_pixel": Parameter(
+        "CellsPerPixel", "Cells per Pixel", "Sparkle", 1, 64,
+        "With Anchor surface: so many cells of the paint, each with sparkles of its own, lie in a "
+        "pixel. More show them sharper and want more samples",
+    ),
+    "instances": Parameter(
+        "Instances", "Instances", "Sparkle", 0, 1,
+        "With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has "
+        "flakes of its own, by the Random of Object Info",
+        choices=("same", "own"),
     ),
     "sparkle_contrast": Parameter(
         "SparkleContrast", "Sparkle Contrast", "Lights", 0, 1,

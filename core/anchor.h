@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the sparkles belong to. Anchor::pixel is the paper's (5.3.5): every pixel has deviates of
+// its own. Anchor::surface (ours) gives them to cells of the paint, which ride on the surface. A
+// sample takes those of the cell in which its own point lies; the renderer's samples are then the
+// filter, in every camera, mirror and blur.
+//
+// The flakes are a Poisson process over places and normals. So counts in cells that do not overlap
+// are independent, each Poisson with the mean of its own area (or binomial where few flakes fill
+// it): all that holds of a pixel in expected_sparkles.h holds of a cell.
+//
+// A cell is a column over a rectangle of the plane across that axis of the own space which is
+// nearest to the normal: a surface cuts the column in the rectangle's area over |n_axis|. The sides
+// are powers of two, so that they stay while the footprint changes. Each parent is kept whole or
+// halved by a deviate of its own against the share that the footprint asks for: one by one the
+// cells give way to larger or smaller ones, and at every time a point lies in exactly one.
+//
+// Within a cell the flakes' normals have cells as well. A sample takes those about n_f, the normal
+// that mirrors the light; neither the light's number nor the pixel's counts. So two lights from one
+// direction light the same flakes, and a flake that turns away and back flashes again.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "elementary.h"
+#include "layer.h"
+#include "passage.h"
+#include "random.h"
+#include "vector.h"
+
+namespace metallic_paint {
+
+// The side of a cell of normals, in radii of the cone of normals that sparkle. A turn by a quarter
+// of the cone leaves 94 % of the cells; one by the whole side leaves none.
+inline constexpr double kNormalCell = 5;
+
+// The footprint is as long as at this cosine where the view is lower.
+inline constexpr double kLongestFootprint = 0.01;
+
+// Columns end after so many sides, so that two sheets of paint above each other differ.
+inline constexpr double kColumn = 16;
+
+template <class T>
+struct Cell {
+  T area{};         // of the surface in it, m2
+  HashWords key{};  // of its deviates
+};
+
+// A direction of the world in the own space.
+template <class T>
+Vec3<T> own_direction(const OwnSpace<T>& own, Vec3<T> d) {
+  return {dot(own.x, d), dot(own.y, d), dot(own.z, d)};
+}
+
+// What tells the flakes of one species in one object, or the texture of it, from others.
+template <class T>
+HashWords own_stream(const Layer<T>& layer, const OwnSpace<T>& own, int kind, int frame, int seed) {
+  const int instance = layer.instances == Instances::own ? own.instance : 0;
+  return stream_key(instance, kind, frame, seed);
+}
+
+// A whole number as a hash's word. Beyond 24 bits a float has no more than that many; what is above
+// them counts as well.
+template <class T>
+std::uint32_t lattice_word(T cell) {
+  const T bounded = std::clamp(cell, T(-1e30), T(1e30));
+  const T high = std::floor(bounded * (T(1) / 16777216));
+  const T low = bounded - high * T(16777216);
+  const int above = static_cast<int>(std::clamp(high, T(-1e9), T(1e9)));
+  return static_cast<std::uint32_t>(static_cast<int>(low)) +
+         static_cast<std::uint32_t>(above) * 2654435761u;
+}
+
+// The octave in which a size lies: side/2 < size <= side = 2^level.
+template <class T>
+struct Octave {
+  int level{};
+  T side{};
+  T whole{};  // share of sides that stay whole, so that side or side/2 is `size` on average
+};
+
+template <class T>
+Octave<T> octave_of(T size) {
+  Octave<T> octave;
+  const T level = std::ceil(logarithm(size) * T(1.44269504088896340736L));
+  octave.level = static_cast<int>(std::clamp(level, T(-60), T(60)));
+  octave.side = power_of_two<T>(octave.level);
+  octave.whole = 2 * size / octave.side - 1;
+  return octave;
+}
+
+// Halved, unless the deviate of its parent keeps it whole.
+template <class T>
+Octave<T> settled(Octave<T> octave, std::uint32_t word) {
+  if (uniform_23<T>(word) < octave.whole) return octave;
+  octave.level = octave.level - 1;
+  octave.side = octave.side * T(0.5);
+  return octave;
+}
+
+// The cell in which a point lies; `share` of the pixel's footprint is a cell's area, but it is not
+// smaller than `least`, m2.
+//
+// A pixel is as wide as high across the view. With n the normal, c = cos(theta) and t = V - c n,
+// its footprint Sigma on the surface is the ellipse of the square form Sigma (c (1 - n n) + t t/c);
+// on the plane across an axis, that form's part there. Of the ellipse the sides are its chords
+// along the plane's axes, sqrt(det/q_vv) and sqrt(det/q_uu): a cell is nowhere wider than its
+// footprint.
+template <class T>
+Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stream) {
+  const OwnSpace<T>& own = point.own;
+  const Vec3<T> n = own_direction(own, point.normal);
+  const T cosine = dot(point.normal, point.view);
+  const Vec3<T> t = own_direction(own, point.view - point.normal * cosine);
+
+  // (u, v) in the plane, w along the axis that is nearest to the normal.
+  const T normal[3] = {n.x, n.y, n.z}, across[3] = {t.x, t.y, t.z};
+  const T place[3] = {own.position.x, own.position.y, own.position.z};
+  int axis = 0;
+  if (std::abs(n.y) > std::abs(n.x)) axis = 1;
+  if (std::abs(n.z) > std::max(std::abs(n.x), std::abs(n.y))) axis = 2;
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  const T n_u = normal[next], n_v = normal[last], n_w = normal[axis];
+  const T t_u = across[next], t_v = across[last];
+  const T u = place[next], v = place[last], w = place[axis];
+  if (n_w < 0) axis = axis + 3;  // the other face of a sheet
+  const T facing = std::clamp(std::abs(n_w), T(0.5), T(1));
+
+  const T pixel = std::clamp(point.footprint, T(1e-20), T(1e6)) * share;
+  const T size = pixel + least;
+  const T c = std::clamp(cosine, T(kLongestFootprint), T(1));
+  const T round_part = (pixel * c + least) / size;
+  const T longer = pixel / (size * c);
+  const T q_uu = round_part * (1 - n_u * n_u) + longer * (t_u * t_u);
+  const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
+  const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
+  const T det = std::max(q_uu * q_vv - q_uv * q_uv, T(1e-6) * (q_uu * q_vv));
+  const T root = std::sqrt(size);
+  Octave<T> along_u = octave_of(root * std::sqrt(det / q_vv));
+  Octave<T> along_v = octave_of(root * std::sqrt(det / q_uu));
+
+  // The deviate of either axis belongs to a square of its own parent side: what the other axis does
+  // leaves it alone.
+  const HashWords by_u = pcg4d({lattice_word(std::floor(u / along_u.side)) ^ stream.x,
+                                lattice_word(std::floor(v / along_u.side)) ^ stream.y, stream.z,
+                                stream.w + static_cast<std::uint32_t>(along_u.level * 8 + axis)});
+  const HashWords by_v = pcg4d({lattice_word(std::floor(u / along_v.side)) ^ stream.x,
+                                lattice_word(std::floor(v / along_v.side)) ^ stream.y, stream.z,
+                                stream.w + static_cast<std::uint32_t>(along_v.level * 8 + axis)});
+  along_u = settled(along_u, by_u.x);
+  along_v = settled(along_v, by_v.y);
+
+  Cell<T> cell;
+  cell.area = along_u.side * along_v.side / facing;
+  const T column = T(kColumn) * std::max(along_u.side, along_v.side);
+  const int kind = (along_u.level * 256 + along_v.level) * 8 + axis;
+  cell.key = pcg4d({lattice_word(std::floor(u / along_u.side)) ^ stream.x,
+                    lattice_word(std::floor(v / along_v.side)) ^ stream.y,
+                    lattice_word(std::floor(w / column)) ^ stream.z,
+                    stream.w + static_cast<std::uint32_t>(kind)});
+  return cell;
+}
+
+// The cell of normals in which a component of one lies, in a lattice offset by the deviate
+// `offset`.
+template <class T>
+std::uint32_t normal_place(T x, T side, std::uint32_t offset) {
+  return static_cast<std::uint32_t>(static_cast<int>(std::floor(x / side + uniform_23<T>(offset))));
+}
+
+// The deviates of a cell's flakes whose normals are about n, n_f in the own space. sin2_half_rho:
+// of the cone of normals that sparkle, whose radius as a chord is 2 sin(rho/2). Every cell has
+// offsets of its own: else all flakes along a curve would change at once.
+template <class T>
+HashWords about_normal(HashWords cell, Vec3<T> n, T sin2_half_rho) {
+  const T radius = 2 * std::sqrt(sin2_half_rho);
+  const Octave<T> octave =
+      settled(octave_of(std::clamp(T(kNormalCell) * radius, T(1e-6), T(2))), cell.w);
+  return pcg4d({cell.x ^ normal_place(n.x, octave.side, cell.x),
+                cell.y ^ normal_place(n.y, octave.side, cell.y),
+                cell.z ^ normal_place(n.z, octave.side, cell.z),
+                cell.w + static_cast<std::uint32_t>(octave.level)});
+}
+
+}  // namespace metallic_paint

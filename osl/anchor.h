@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the sparkles belong to: see core/anchor.h.
+#pragma once
+
+#include "elementary.h"
+#include "layer.h"
+#include "passage.h"
+#include "random.h"
+
+#define NORMAL_CELL 5.0
+#define LONGEST_FOOTPRINT 0.01
+#define COLUMN 16.0
+
+struct Cell {
+  float area;
+  HashWords key;
+};
+
+vector own_direction(OwnSpace own, vector d)
+{
+  return vector(inner_product(own.x, d), inner_product(own.y, d), inner_product(own.z, d));
+}
+
+HashWords own_stream(Layer layer, OwnSpace own, int kind, int frame, int seed)
+{
+  int instance = 0;
+  if (layer.instances == INSTANCES_OWN)
+    instance = own.instance;
+  return stream_key(instance, kind, frame, seed);
+}
+
+int lattice_word(float cell)
+{
+  float bounded = clamp(cell, -1e30, 1e30);
+  float high = floor(bounded * 5.96046448e-8);
+  float low = bounded - high * 16777216.0;
+  return (int)low + (int)clamp(high, -1e9, 1e9) * -1640531535;
+}
+
+struct Octave {
+  int level;
+  float side;
+  float whole;
+};
+
+Octave octave_of(float size)
+{
+  Octave octave;
+  float level = ceil(logarithm(size) * 1.44269504);
+  octave.level = (int)clamp(level, -60.0, 60.0);
+  octave.side = power_of_two(octave.level);
+  octave.whole = 2.0 * size / octave.side - 1.0;
+  return octave;
+}
+
+Octave settled(Octave given, int word)
+{
+  Octave octave = given;
+  if (!(uniform_23(word) < given.whole)) {
+    octave.level = given.level - 1;
+    octave.side = given.side * 0.5;
+  }
+  return octave;
+}
+
+Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
+{
+  OwnSpace own = surface.own;
+  vector n = own_direction(own, surface.n);
+  float cosine = inner_product(surface.n, surface.view);
+  vector t = own_direction(own, surface.view - surface.n * cosine);
+
+  int axis = 0;
+  if (fabs(n[1]) > fabs(n[0]))
+    axis = 1;
+  if (fabs(n[2]) > max(fabs(n[0]), fabs(n[1])))
+    axis = 2;
+  int next = (axis + 1) % 3;
+  int last = (axis + 2) % 3;
+  float n_u = n[next];
+  float n_v = n[last];
+  float n_w = n[axis];
+  float t_u = t[next];
+  float t_v = t[last];
+  float u = own.position[next];
+  float v = own.position[last];
+  float w = own.position[axis];
+  if (n_w < 0.0)
+    axis = axis + 3;
+  float facing = clamp(fabs(n_w), 0.5, 1.0);
+
+  float pixel = clamp(surface.footprint, 1e-20, 1e6) * share;
+  float size = pixel + least;
+  float c = clamp(cosine, LONGEST_FOOTPRINT, 1.0);
+  float round_part = (pixel * c + least) / size;
+  float longer = pixel / (size * c);
+  float q_uu = round_part * (1.0 - n_u * n_u) + longer * (t_u * t_u);
+  float q_vv = round_part * (1.0 - n_v * n_v) + longer * (t_v * t_v);
+  float q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
+  float det = max(q_uu * q_vv - q_uv * q_uv, 1e-6 * (q_uu * q_vv));
+  float root = sqrt(size);
+  Octave along_u = octave_of(root * sqrt(det / q_vv));
+  Octave along_v = octave_of(root * sqrt(det / q_uu));
+
+  HashWords by_u = pcg4d(lattice_word(floor(u / along_u.side)) ^ stream.x,
+                         lattice_word(floor(v / along_u.side)) ^ stream.y, stream.z,
+                         stream.w + (along_u.level * 8 + axis));
+  HashWords by_v = pcg4d(lattice_word(floor(u / along_v.side)) ^ stream.x,
+                         lattice_word(floor(v / along_v.side)) ^ stream.y, stream.z,
+                         stream.w + (along_v.level * 8 + axis));
+  along_u = settled(along_u, by_u.x);
+  along_v = settled(along_v, by_v.y);
+
+  Cell cell;
+  cell.area = along_u.side * along_v.side / facing;
+  float column = COLUMN * max(along_u.side, along_v.side);
+  int kind = (along_u.level * 256 + along_v.level) * 8 + axis;
+  cell.key = pcg4d(lattice_word(floor(u / along_u.side)) ^ stream.x,
+                   lattice_word(floor(v / along_v.side)) ^ stream.y,
+                   lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);
+  return cell;
+}
+
+int normal_place(float x, float side, int offset)
+{
+  return (int)floor(x / side + uniform_23(offset));
+}
+
+HashWords about_normal(HashWords cell, vector n, float sin2_half_rho)
+{
+  float radius = 2.0 * sqrt(sin2_half_rho);
+  Octave octave = settled(octave_of(clamp(NORMAL_CELL * radius, 1e-6, 2.0)), cell.w);
+  return pcg4d(cell.x ^ normal_place(n[0], octave.side, cell.x), cell.y ^ normal_place(n[1], octave.side, cell.y),
+               cell.z ^ normal_place(n[2], octave.side, cell.z), cell.w + octave.level);
+}
+
+// Without a rest position the own space is the object's in world units
+// along each of its axes. With one, which the surface's deformation leaves alone, directions turn as the surface's tangents do.
+OwnSpace find_own_space(point position, float meters, vector rest)
+{
+  // The rows of the transform to the object, as long as the object's scale shrinks them.
+  vector x = transform("common", "object", vector(1.0, 0.0, 0.0));
+  vector y = transform("common", "object", vector(0.0, 1.0, 0.0));
+  vector z = transform("common", "object", vector(0.0, 0.0, 1.0));
+  OwnSpace own;
+  float random = 0.0;
+  getattribute("object:random", random);
+  own.instance = (int)(random * 16777216.0);
+  own.x = vector(x[0], y[0], z[0]);
+  own.y = vector(x[1], y[1], z[1]);
+  own.z = vector(x[2], y[2], z[2]);
+  vector scale = vector(length(own.x), length(own.y), length(own.z));
+  own.x = own.x / scale[0];
+  own.y = own.y / scale[1];
+  own.z = own.z / scale[2];
+  point local = transform("object", position);
+  int given = rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0;
+  if (given)
+    local = point(rest);
+  own.position = point(local[0] / scale[0], local[1] / scale[1], local[2] / scale[2]) * meters;
+  if (given) {
+    vector along = Dx(own.position);
+    vector up = cross(along, Dy(own.position));
+    vector world_along = Dx(position);
+    vector world_up = cross(world_along, Dy(position));
+    if (length(up) > 0.0 && length(world_up) > 0.0) {
+      vector a = normalize(along);
+      vector c = normalize(up);
+      vector b = cross(c, a);
+      vector world_a = normalize(world_along);
+      vector world_c = normalize(world_up);
+      vector world_b = cross(world_c, world_a);
+      own.x = world_a * a[0] + world_b * b[0] + world_c * c[0];
+      own.y = world_a * a[1] + world_b * b[1] + world_c * c[1];
+      own.z = world_a * a[2] + world_b * b[2] + world_c * c[2];
+    }
+  }
+  return own;
+}
