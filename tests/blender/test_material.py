@@ -57,7 +57,8 @@ def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
     parameters = ["int Frame = 0", "float OtherLight = 0", "float MetersPerUnit = 1",
-                  "normal Normal = N", "normal CoatNormal = Normal"]  # fmt: skip
+                  "normal Normal = N", "normal CoatNormal = Normal",
+                  "vector RestPosition = 0"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
         default = shader_value(parameter, value_of(paint, name))
         if isinstance(default, tuple):
@@ -376,6 +377,21 @@ def test_a_connected_normal_is_taken(
     links.new(geometry.outputs["Normal"], turned.inputs[0])
     links.new(turned.outputs[0], material.paint_node(paint).inputs["Normal"])
     np.testing.assert_allclose(render()[8, 8], NORMAL_OF_PLANE * [1, -1, 1], atol=1e-6)
+
+
+def test_an_unconnected_rest_position_is_none_and_a_connected_one_is_taken(
+    plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
+) -> None:
+    use_source(probe("value = color(RestPosition[0], RestPosition[1], RestPosition[2]);"))
+    paint = material.create(Paint())
+    material.assign(plane, paint)
+    np.testing.assert_array_equal(render()[8, 8], 0)
+    nodes, links = paint.node_tree.nodes, paint.node_tree.links
+    place = nodes.new("ShaderNodeCombineXYZ")
+    for i, value in enumerate((0.25, 2, 3)):
+        place.inputs[i].default_value = value
+    links.new(place.outputs[0], material.paint_node(paint).inputs[material.REST_POSITION])
+    np.testing.assert_array_equal(render()[8, 8], [0.25, 2, 3])
 
 
 def test_the_shader_knows_how_long_a_unit_of_the_scene_is(

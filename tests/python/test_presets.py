@@ -74,9 +74,11 @@ REFERENCE = json.loads((Path(__file__).parent / "preset-values.json").read_text(
 def test_a_shipped_preset_is_the_paint_that_it_was(name: str) -> None:
     """Whatever has become of the defaults since: the values are those of 0.1.0, as it stated all.
 
-    A field that came later is at its neutral value and stands in no preset.
+    A field that came later is at its neutral value and stands in no preset, but for the anchor: the
+    sparkles of what ships ride on the surface.
     """
     paint = presets.load(name)
+    assert paint.anchor == "surface"
     for field, value in zip(REFERENCE["fields"], REFERENCE[name], strict=True):
         wanted = tuple(value) if isinstance(value, list) else value
         assert value_of(paint, field) == wanted, field
@@ -226,7 +228,8 @@ def test_a_failed_save_leaves_the_earlier_file_whole(
 
 
 def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
-    (tmp_path / "mine.json").write_text(text({"tilt": 0.3}))
+    head = '"schema_version": 2, "defaults": 2'
+    (tmp_path / "mine.json").write_text(f'{{{head}, "paint": {{"tilt": 0.3}}}}')
     assert presets.load(tmp_path / "mine.json") == Paint(tilt=0.3)
 
 
@@ -258,18 +261,19 @@ print(json.dumps(found + [presets.load(name).tilt for name in ("gold", "lime")])
 def test_presets_keep_their_look_when_a_default_changes_and_a_parameter_comes(
     tmp_path: Path,
 ) -> None:
-    """Another table: from version 2 on tilt starts at 0.2, and there is Glitter, 1 but 0 before."""
+    """Another table: in a new version tilt starts at 0.2, and there is Glitter, 1 but 0 before."""
+    was, new = table.VERSION_OF_DEFAULTS, table.VERSION_OF_DEFAULTS + 1
     text = (parameters.ROOT / parameters.TABLE).read_text(encoding="utf-8")
-    text = text.replace("version_of_defaults = 1\n", "version_of_defaults = 2\n")
+    text = text.replace(f"version_of_defaults = {was}\n", f"version_of_defaults = {new}\n")
     text = text.replace(
         '[flakes.tilt]\ntype = "float"\ndefault = 0.15\n',
         '[flakes.tilt]\ntype = "float"\ndefault = 0.2\n'
-        "former = [{ through = 1, default = 0.15 }]\n",
+        f"former = [{{ through = {was}, default = 0.15 }}]\n",
     )
     seed = text[text.index("[paint.seed]") : text.index("[paint.substrate_color]")]
     glitter = seed.replace("seed", "glitter").replace("Seed", "Glitter")
     glitter = glitter.replace(
-        "default = 0\n", "default = 1\nformer = [{ through = 1, default = 0 }]\n"
+        "default = 0\n", f"default = 1\nformer = [{{ through = {was}, default = 0 }}]\n"
     )
     (tmp_path / "parameters.toml").write_text(text + glitter, encoding="utf-8")
     made = parameters.made(parameters.read(tmp_path / "parameters.toml"))
@@ -280,9 +284,13 @@ def test_presets_keep_their_look_when_a_default_changes_and_a_parameter_comes(
     )
     files = {
         '{"schema_version": 1, "paint": {"seed": 4}}': [0.15, 4, 0],
-        '{"schema_version": 2, "defaults": 1, "paint": {"seed": 5}}': [0.15, 5, 0],
-        '{"schema_version": 2, "defaults": 2, "paint": {"seed": 6}}': [0.2, 6, 1],
-        '{"schema_version": 2, "defaults": 1, "paint": {"tilt": 0.2, "seed": 7}}': [0.2, 7, 0],
+        f'{{"schema_version": 2, "defaults": {was}, "paint": {{"seed": 5}}}}': [0.15, 5, 0],
+        f'{{"schema_version": 2, "defaults": {new}, "paint": {{"seed": 6}}}}': [0.2, 6, 1],
+        f'{{"schema_version": 2, "defaults": {was}, "paint": {{"tilt": 0.2, "seed": 7}}}}': [
+            0.2,
+            7,
+            0,
+        ],
     }
     for number, content in enumerate(files):
         (tmp_path / f"{number}.json").write_text(content)
@@ -293,6 +301,24 @@ def test_presets_keep_their_look_when_a_default_changes_and_a_parameter_comes(
     )  # fmt: skip
     shipped = [presets.load(name).tilt for name in ("gold", "lime")]
     assert json.loads(done.stdout) == [*files.values(), *shipped]
+
+
+@pytest.mark.parametrize(
+    ("head", "anchor"),
+    [
+        ('"schema_version": 1', "pixel"),
+        ('"schema_version": 2, "defaults": 1', "pixel"),
+        ('"schema_version": 2, "defaults": 2', "surface"),
+    ],
+)
+def test_own_presets_of_before_keep_the_sparkles_on_the_pixels(
+    tmp_path: Path, head: str, anchor: str
+) -> None:
+    file = tmp_path / "mine.json"
+    file.write_text(f'{{{head}, "paint": {{"seed": 4}}}}')
+    assert presets.load(file) == Paint(seed=4, anchor=anchor)
+    presets.save(presets.load(file), file)
+    assert presets.load(file) == Paint(seed=4, anchor=anchor)
 
 
 def test_an_unknown_name_is_told_the_known_ones() -> None:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..paint import PARAMETERS, Parameter, material, migration
-from ..scene import follow, lights, needs
+from ..scene import follow, lights, needs, rest_position
 from . import operators
+from .rest_position import SCENE_OT_metallic_paint_add_rest_position
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import IconItems
@@ -63,6 +64,11 @@ class _PaintPanel:
             box = layout.box()
             draw_lines(box, "This file holds paints of an older version.", "INFO")
             box.operator(operators.MATERIAL_OT_metallic_paint_update.bl_idname)
+        if context.object is not None and (about := rest_position.about(context.object)):
+            box = layout.box()
+            draw_lines(box, about, "INFO")
+            if rest_position.lacks(context.object):
+                box.operator(SCENE_OT_metallic_paint_add_rest_position.bl_idname)
         if lights.groups():
             layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
             if trouble := follow.trouble():

@@ -35,10 +35,11 @@ from .parameters import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 4  # of the group's interface: another layout, another version
+VERSION = 5  # of the group's interface: another layout, another version
 OUTPUT = "BSDF"
-NORMAL, COAT_NORMAL = "Normal", "Coat Normal"
+NORMAL, COAT_NORMAL, REST_POSITION = "Normal", "Coat Normal", "Rest Position"
 MODEL_SCALE = "Model Scale"
+ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
@@ -73,10 +74,13 @@ class _Extra:
     description: str
 
 
-_NORMALS = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL}
-_NORMAL_DESCRIPTIONS = {
+# Sockets without a value of their own: unconnected, the surface's.
+GEOMETRY = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL, "RestPosition": REST_POSITION}
+_GEOMETRY_DESCRIPTIONS = {
     NORMAL: "Normal of the surface, for bump or normal maps",
     COAT_NORMAL: "Normal of the binder's surface where it is not that of the flakes",
+    REST_POSITION: "Place in the object's own space before anything deforms it, where the flakes "
+    "lie: for a mesh that deforms, the attribute rest_position",
 }
 _SHUT = (SECOND, THIRD)  # panels that start closed
 
@@ -222,6 +226,14 @@ def has_paint(material: bpy.types.Material) -> bool:
 def is_within_group(material: bpy.types.Material) -> bool:
     """Whether the only paint of the material stands in another node group."""
     return not has_paint(material) and lights.holds_slots(material.node_tree)
+
+
+def rides(node: bpy.types.ShaderNodeGroup) -> bool:
+    """Whether the sparkles belong to the surface; what a link says is not known, so it may."""
+    socket: bpy.types.NodeSocket | None = node.inputs.get(ANCHOR.label)
+    if socket is None:  # of an older version
+        return False
+    return socket.is_linked or socket.default_value != ANCHOR.choices.index("pixel")
 
 
 def linked_from(node: bpy.types.ShaderNodeGroup) -> str:
@@ -373,7 +385,7 @@ def _script_node(group: bpy.types.ShaderNodeTree, source: str) -> bpy.types.Shad
 
 def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected = {parameter.shader for parameter in PARAMETERS.values()}
-    expected |= {*_EXTRAS, *_NORMALS, lights.METERS_PER_UNIT, lights.OTHER_LIGHT}
+    expected |= {*_EXTRAS, *GEOMETRY, lights.METERS_PER_UNIT, lights.OTHER_LIGHT}
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
     expected.add(OUTPUT)
@@ -419,8 +431,8 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
 
     for name in _EXTRAS:
         add_extra(name)
-    for name, label in _NORMALS.items():
-        _add_normal(group, label)
+    for name, label in GEOMETRY.items():
+        _add_geometry(group, label)
         group.links.new(inside.outputs[label], script_inputs[name])
     _add_model_scale(group, panels[SPARKLE])
     _wire_lights(group, script_inputs, inside)
@@ -447,16 +459,18 @@ def _add_parameter(
     socket.default_value = default
 
 
-def _add_normal(group: bpy.types.ShaderNodeTree, label: str) -> None:
+def _add_geometry(group: bpy.types.ShaderNodeTree, label: str) -> None:
     """An unconnected Normal is the shading normal, an unconnected Coat Normal the Normal.
 
     Cycles gives a script parameter that is initialised with N no value from an unlinked socket,
     neither directly nor through groups, whatever the socket's hidden value is. (Blender 5.2 treats
     a link from a constant likewise: a normal has to vary, as every bump or normal map does.)
+
+    An unconnected Rest Position is (0, 0, 0), which the shader takes for the point itself.
     """
     socket = group.interface.new_socket(
         label, in_out="INPUT", socket_type="NodeSocketVector",
-        description=_NORMAL_DESCRIPTIONS[label],
+        description=_GEOMETRY_DESCRIPTIONS[label],
     )  # fmt: skip
     socket.hide_value = True
 

@@ -27,10 +27,14 @@ class Report:
 
     updated: int = 0  # paint nodes
     lost: set[str] = field(default_factory=set)  # labels that today's paint does not have
+    riding: int = 0  # paint nodes whose sparkles were the pixels' and are the surface's now
     linked: int = 0  # paint nodes that only the file they come from can update
 
     def __str__(self) -> str:
         lines = [f"Paints updated: {self.updated}."]
+        if self.riding:
+            lines.append("Sparkles now ride on the surface: set Anchor to pixel for the old "
+                         "picture.")  # fmt: skip
         if self.lost:
             lines.append(f"Today's paint has no {', '.join(sorted(self.lost))}.")
         if self.linked:
@@ -60,6 +64,7 @@ def update() -> Report:
     material.node_group()  # where the shader does not compile, all stays as it is
     for tree, node in nodes:
         if node.id_data.is_editable:
+            report.riding += material.ANCHOR.label not in node.inputs
             report.lost |= _update(tree, node)
             report.updated += 1
         else:

@@ -16,7 +16,7 @@ import bpy
 from .. import denoise
 from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, material
-from . import lights, needs
+from . import lights, needs, rest_position
 from .expected import Expected, expect
 from .sight import Camera, Effort, SightError, effort_for, look
 
@@ -60,6 +60,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         )
         lines.append((WARNING, text))
     surfaces = [each for thing in painted for each in _surfaces(thing, shown[thing])]
+    lines += _riding(scene, painted, surfaces)
     unknown = {each: each.unknown() for each in surfaces}
     known = [each for each, line in unknown.items() if line is None]
     objects = sum(len(layer.depsgraph.object_instances) for layer in layers)
@@ -156,6 +157,39 @@ class _Surface:
 def _sparkles(node: bpy.types.ShaderNodeGroup) -> bool:
     contrast = node.inputs[_CONTRAST]
     return contrast.is_linked or contrast.default_value > 0
+
+
+def _riding(
+    scene: bpy.types.Scene, painted: list[bpy.types.Object], surfaces: list[_Surface]
+) -> Iterator[Line]:
+    """Sparkles that do not ride on what moves or deforms."""
+    for thing in painted:
+        if about := rest_position.about(thing):
+            yield WARNING, about
+    of_pixels = dict.fromkeys(
+        each.painted.name
+        for each in surfaces
+        if each.node and _sparkles(each.node) and not material.rides(each.node)
+    )
+    if not of_pixels:
+        return
+    names = ", ".join(of_pixels)
+    if scene.render.use_motion_blur:
+        yield (
+            WARNING,
+            (
+                f"Motion blur under the pixel anchor ({names}): sparkles of what moves stay sharp. "
+                "With Anchor surface they streak."
+            ),
+        )
+    if scene.camera is not None and getattr(scene.camera.data, "type", "") == "PANO":
+        yield (
+            WARNING,
+            (
+                f"Panoramic cameras under the pixel anchor ({names}): sparkles are squares. "
+                "With Anchor surface they are not."
+            ),
+        )
 
 
 def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:

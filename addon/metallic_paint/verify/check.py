@@ -208,7 +208,7 @@ def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str
     evaluated = painted.evaluated_get(layer.depsgraph).node_tree.nodes[node.name]
     tree, notes = painted.node_tree, []
     linked = [s for s in node.inputs if s.is_linked and s.name not in
-              (material.NORMAL, material.COAT_NORMAL)]  # fmt: skip
+              material.GEOMETRY.values()]  # fmt: skip
     if linked:
         names = ", ".join(socket.name for socket in linked)
         notes.append(f"Checked with the sockets' own values, not with what is linked to {names}.")
