@@ -100,8 +100,8 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     EXPECT_EQ(stack.coat.reflected, coat.reflected);
     EXPECT_EQ(stack.coat.rest, coat.rest);
     const double grain = scene.paint.texture_contrast > 0
-                             ? pixel_texture(scene.paint.texture_contrast, point.footprint, 0, 0,
-                                             scene.paint.frame, scene.paint.seed)
+                             ? texture_at(layer, point, scene.paint.texture_contrast,
+                                          scene.paint.frame, scene.paint.seed)
                              : 1;
     EXPECT_EQ(stack.texture, grain);
     EXPECT_EQ(stack.diffuse.y, m.diffuse.y * grain);
