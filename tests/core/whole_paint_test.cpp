@@ -212,7 +212,7 @@ TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
     const double cosine = random.log_uniform(1e-9, 1e-2);
     const auto point = seen_at(cosine);
     const auto layer = make_layer<double>(paint);
-    const auto stack = make_stack(paint, layer, point, flat_coat());
+    const auto stack = make_stack(paint, layer, point, kUp);
     worst.see(std::abs(directional_albedo(layer, stack, point).x - 1), "tilt", paint.tilt, "cosine",
               cosine, "eta", layer.eta);
   }
