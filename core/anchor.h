@@ -105,9 +105,11 @@ Octave<T> settled(Octave<T> octave, std::uint32_t word) {
 //
 // A pixel is as wide as high across the view. With n the normal, c = cos(theta) and t = V - c n,
 // its footprint Sigma on the surface is the ellipse of the square form Sigma (c (1 - n n) + t t/c);
-// on the plane across an axis, that form's part there. Of the ellipse the sides are its chords
-// along the plane's axes, sqrt(det/q_vv) and sqrt(det/q_uu): a cell is nowhere wider than its
-// footprint.
+// on the plane across an axis, that form's part q there. Measured by q, a rectangle's sides u and v
+// are u/sqrt((1 - r^2) q_uu) and v/sqrt((1 - r^2) q_vv) long, with the cosine r = q_uv/sqrt(q_uu
+// q_vv) between them, and it blurs most along their sum or difference, by the factor 1 + |r|. So
+// with u^2 = q_uu (1 - |r|) and v^2 = q_vv (1 - |r|) no direction is blurred more than in a
+// footprint that lies along the axes.
 template <class T>
 Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stream) {
   const OwnSpace<T>& own = point.own;
@@ -136,10 +138,10 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T q_uu = round_part * (1 - n_u * n_u) + longer * (t_u * t_u);
   const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
   const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  const T det = std::max(q_uu * q_vv - q_uv * q_uv, T(1e-6) * (q_uu * q_vv));
+  const T straight = std::max(1 - std::abs(q_uv) / std::sqrt(q_uu * q_vv), T(1e-4));
   const T root = std::sqrt(size);
-  Octave<T> along_u = octave_of(root * std::sqrt(det / q_vv));
-  Octave<T> along_v = octave_of(root * std::sqrt(det / q_uu));
+  Octave<T> along_u = octave_of(root * std::sqrt(q_uu * straight));
+  Octave<T> along_v = octave_of(root * std::sqrt(q_vv * straight));
 
   // The deviate of either axis belongs to a square of its own parent side: what the other axis does
   // leaves it alone.

@@ -98,10 +98,10 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float q_uu = round_part * (1.0 - n_u * n_u) + longer * (t_u * t_u);
   float q_vv = round_part * (1.0 - n_v * n_v) + longer * (t_v * t_v);
   float q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  float det = max(q_uu * q_vv - q_uv * q_uv, 1e-6 * (q_uu * q_vv));
+  float straight = max(1.0 - fabs(q_uv) / sqrt(q_uu * q_vv), 1e-4);
   float root = sqrt(size);
-  Octave along_u = octave_of(root * sqrt(det / q_vv));
-  Octave along_v = octave_of(root * sqrt(det / q_uu));
+  Octave along_u = octave_of(root * sqrt(q_uu * straight));
+  Octave along_v = octave_of(root * sqrt(q_vv * straight));
 
   HashWords by_u = pcg4d(lattice_word(floor(u / along_u.side)) ^ stream.x,
                          lattice_word(floor(v / along_u.side)) ^ stream.y, stream.z,
