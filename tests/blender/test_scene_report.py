@@ -17,7 +17,7 @@ import pytest
 from metallic_paint import denoise, verify
 from metallic_paint.interface import report as interface
 from metallic_paint.paint import material, presets
-from metallic_paint.scene import lights, needs, sight
+from metallic_paint.scene import lights, needs, rest_position, sight
 from metallic_paint.scene.report import report
 from recording import drawn
 from scenery import add_lamp, link_paint, nest_paint, show_as_instance
@@ -165,6 +165,39 @@ def test_a_denoiser_is_warned_of_unless_sparkles_pass_it_by() -> None:
     scene.cycles.use_denoising = True
     assert "Denoising takes sparkles" in bad(scene)
     denoise.set_up(scene)
+    assert bad(scene) == ""
+
+
+def test_what_the_pixel_anchor_cannot_do_is_named_for_its_paints_alone() -> None:
+    scene = build()
+    node = material.paint_node(scene.objects["Ball"].active_material)
+    scene.render.use_motion_blur = True
+    blur, panorama = (
+        "Motion blur under the pixel anchor",
+        "Panoramic cameras under the pixel anchor",
+    )
+    assert "pixel anchor" not in said(scene)
+    node.inputs["Anchor"].default_value = 0
+    found = bad(scene)
+    assert f"{blur} (Metallic Paint): sparkles of what moves stay sharp." in found
+    assert panorama not in found
+    scene.render.use_motion_blur = False
+    scene.camera.data.type = "PANO"
+    found = bad(scene)
+    assert f"{panorama} (Metallic Paint): sparkles are squares." in found
+    assert blur not in found
+    node.inputs["Sparkle Contrast"].default_value = 0
+    assert "pixel anchor" not in said(scene)
+    node.inputs["Sparkle Contrast"].default_value = 1
+    node.inputs["Anchor"].default_value = 1
+    assert "pixel anchor" not in said(scene)
+
+
+def test_what_deforms_without_a_rest_position_is_named() -> None:
+    scene = build()
+    scene.objects["Ball"].modifiers.new("Wobble", "WAVE")
+    assert "Ball deforms (Wobble): without a rest position it slides" in bad(scene)
+    rest_position.give(scene)
     assert bad(scene) == ""
 
 

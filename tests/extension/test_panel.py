@@ -173,6 +173,21 @@ def test_notice_of_older_paints(addon: Addon, cube: bpy.types.Object) -> None:
     assert "This file holds paints of an older version." in panel().texts
 
 
+def test_panel_offers_a_rest_position_to_what_deforms(cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    assert "scene.metallic_paint_add_rest_position" not in panel().names
+    cube.modifiers.new("Wobble", "WAVE")
+    shown = panel()
+    assert "Cube deforms (Wobble): without a rest position" in " ".join(shown.texts)
+    assert "scene.metallic_paint_add_rest_position" in shown.names
+    assert bpy.ops.scene.metallic_paint_add_rest_position() == {"FINISHED"}
+    assert "scene.metallic_paint_add_rest_position" not in panel().names
+    cube.modifiers.new("Remesh", "REMESH")
+    shown = panel()
+    assert "Cube is made anew (Remesh) and has no rest position" in " ".join(shown.texts)
+    assert "scene.metallic_paint_add_rest_position" not in shown.names
+
+
 def test_panel_in_the_shader_editor(cube: bpy.types.Object) -> None:
     of = bpy.types.NODE_PT_metallic_paint
     for kind, shown in (("OBJECT", True), ("WORLD", False)):

@@ -228,7 +228,7 @@ def test_a_failed_save_leaves_the_earlier_file_whole(
 
 
 def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
-    head = '"schema_version": 2, "defaults": 2'
+    head = f'"schema_version": 2, "defaults": {table.VERSION_OF_DEFAULTS}'
     (tmp_path / "mine.json").write_text(f'{{{head}, "paint": {{"tilt": 0.3}}}}')
     assert presets.load(tmp_path / "mine.json") == Paint(tilt=0.3)
 

@@ -60,9 +60,9 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         )
         lines.append((WARNING, text))
     surfaces = [each for thing in painted for each in _surfaces(thing, shown[thing])]
-    lines += _riding(scene, painted, surfaces)
     unknown = {each: each.unknown() for each in surfaces}
     known = [each for each, line in unknown.items() if line is None]
+    lines += _left_behind(scene, painted, known)
     objects = sum(len(layer.depsgraph.object_instances) for layer in layers)
     effort = effort_for(len(known), objects)
     chosen = _largest(scene, known, effort.objects)
@@ -159,7 +159,7 @@ def _sparkles(node: bpy.types.ShaderNodeGroup) -> bool:
     return contrast.is_linked or contrast.default_value > 0
 
 
-def _riding(
+def _left_behind(
     scene: bpy.types.Scene, painted: list[bpy.types.Object], surfaces: list[_Surface]
 ) -> Iterator[Line]:
     """Sparkles that do not ride on what moves or deforms."""
@@ -169,7 +169,7 @@ def _riding(
     of_pixels = dict.fromkeys(
         each.painted.name
         for each in surfaces
-        if each.node and _sparkles(each.node) and not material.rides(each.node)
+        if _sparkles(each.node) and not material.rides(each.node)
     )
     if not of_pixels:
         return

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A file of 0.1.0, whose paint knew the pixel anchor alone: version 4 of the node group.
+
+The add-on of that day wrote of-0.1.0.blend, with its compiled shader: a ball in silver-coarse under
+a sun.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from metallic_paint import verify
+from metallic_paint.paint import material, migration, presets
+
+FILE = Path(__file__).with_name("of-0.1.0.blend")
+
+
+@pytest.fixture
+def scene() -> bpy.types.Scene:
+    with bpy.data.libraries.load(str(FILE)) as (there, here):
+        here.scenes = there.scenes
+    [scene] = here.scenes
+    bpy.context.window.scene = scene
+    verify.make_noiseless(scene)
+    return scene
+
+
+def node_in(scene: bpy.types.Scene) -> bpy.types.ShaderNodeGroup:
+    return material.paint_node(scene.objects["Sphere"].active_material)
+
+
+def test_update_lets_its_sparkles_ride_and_says_so(scene: bpy.types.Scene) -> None:
+    assert migration.has_outdated()
+    assert not material.rides(node_in(scene))
+    assert str(migration.update()).splitlines() == [
+        "Paints updated: 1.",
+        "Sparkles now ride on the surface: set Anchor to pixel for the old picture.",
+    ]
+    assert material.rides(node_in(scene))
+    assert material.paint_of(node_in(scene)) == presets.load("silver-coarse")
+
+
+@pytest.mark.every_blender
+def test_with_the_anchor_set_back_the_updated_picture_is_the_old_one(
+    scene: bpy.types.Scene,
+) -> None:
+    before = verify.render(scene)
+    assert (before.max(axis=-1) > 1).sum() > 10  # sparkles
+    migration.update()
+    riding = verify.render(scene)
+    assert (riding != before).any(axis=-1).sum() > 100
+    node_in(scene).inputs["Anchor"].default_value = 0
+    np.testing.assert_array_equal(verify.render(scene), before)
+
+
+def test_a_later_update_leaves_the_anchor_as_it_is_and_says_nothing_of_it(
+    scene: bpy.types.Scene,
+) -> None:
+    migration.update()
+    node_in(scene).inputs["Anchor"].default_value = 0
+    node_in(scene).node_tree["metallic_paint_source"] = "older"
+    assert str(migration.update()) == "Paints updated: 1."
+    assert not material.rides(node_in(scene))
