@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The cells of the surface: that their counts follow their law, that cells, levels, normals and
+// species are independent of one another, how much a pixel's filter leaves of point flakes'
+// variance, and that no lattice shows.
+#include "anchor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "poisson.h"
+#include "scenes.h"
+#include "sparkles.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+
+constexpr double kPi = std::numbers::pi;
+
+// A direction anywhere, and two across it.
+struct Frame {
+  Vec3<double> n, a, b;
+};
+Vec3<double> cross(Vec3<double> a, Vec3<double> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vec3<double> anywhere(Random& random) {
+  const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * kPi);
+  const double s = std::sqrt((1 - z) * (1 + z));
+  return {s * std::cos(phi), s * std::sin(phi), z};
+}
+Frame any_frame(Random& random) {
+  Frame frame;
+  frame.n = anywhere(random);
+  Vec3<double> a = cross(frame.n, anywhere(random));
+  while (length(a) < 1e-3) a = cross(frame.n, anywhere(random));
+  frame.a = a / length(a);
+  frame.b = cross(frame.n, frame.a);
+  return frame;
+}
+
+// A plane of paint in an object, looked at under this cosine.
+SurfacePoint<double> on_plane(const Frame& plane, double cosine, double footprint) {
+  SurfacePoint<double> point{};
+  point.normal = plane.n;
+  point.view = plane.n * cosine + plane.a * std::sqrt((1 - cosine) * (1 + cosine));
+  point.footprint = footprint;
+  return point;
+}
+
+// A light that flakes of this tilt about the normal, towards a, mirror to the observer.
+SeenLight<double> mirrored_at(const SurfacePoint<double>& point, const Frame& plane, double tilt,
+                              double sine) {
+  const Vec3<double> half = plane.n * std::cos(tilt) + plane.b * std::sin(tilt);
+  const Vec3<double> light = half * (2 * dot(half, point.view)) - point.view;
+  return see_light<double>({LightKind::parallel, light, sine}, {});
+}
+
+Paint on_surface(double flakes_per_mm2) {
+  Paint paint = undiffracted();
+  paint.anchor = Anchor::surface;
+  paint.flakes_per_mm2 = flakes_per_mm2;
+  return paint;
+}
+
+// P(N < n) and P(N = n) of the binomial (slots > 0) or the Poisson law, summed term by term.
+std::pair<double, double> law_at(double mean, int slots, double n) {
+  double below = 0;
+  for (double k = 0;; ++k) {
+    double log_term = k * std::log(mean) - mean - std::lgamma(k + 1);
+    if (slots > 0) {
+      const double p = mean / slots;
+      log_term = std::lgamma(slots + 1.0) - std::lgamma(k + 1) - std::lgamma(slots - k + 1) +
+                 k * std::log(p) + (slots - k) * std::log1p(-p);
+    }
+    if (k >= n) return {below, std::exp(log_term)};
+    below += std::exp(log_term);
+  }
+}
+
+TEST(Anchor, CountsOfCellsFollowTheirLaw) {
+  Random random(run_seed());
+  constexpr int kCases = 24, kBins = 64, kPoints = 20'000;
+  const double threshold = sidak_threshold(kFreshLevel, kCases);
+  int binomial = 0;
+  for (int i = 0; i < kCases; ++i) {
+    // Footprints of some 3 to 30,000 flakes; places where few of them fit.
+    const Paint paint = on_surface(3000);
+    const Layer<double> layer = make_layer<double>(paint);
+    const Frame plane = any_frame(random);
+    auto point = on_plane(plane, random.uniform(0.1, 1), random.log_uniform(1e-9, 1e-5));
+    const auto light = mirrored_at(point, plane, random.uniform(0, 0.15), 0.00465);
+    const auto way = pass_between(layer, point, light);
+    if (!way.open) continue;
+    std::vector<double> found(kBins), expected(kBins, kPoints / static_cast<double>(kBins));
+    for (int k = 0; k < kPoints; ++k) {
+      point.own.position = plane.a * random.uniform(-1, 1) + plane.b * random.uniform(-1, 1);
+      const auto all = sparkle(layer, point, way, 0, 0, 0);
+      const auto& cell = all.expected[0];
+      binomial += cell.slots > 0;
+      ASSERT_GT(cell.mean_count, 0);
+      // Uniform in (0, 1) if the count follows its law.
+      const auto [below, equal] = law_at(cell.mean_count, cell.slots, all.count[0]);
+      const double u = std::clamp(below + equal * random.uniform(), 0.0, 1 - 1e-12);
+      found[static_cast<std::size_t>(u * kBins)] += 1;
+    }
+    EXPECT_LE(std::fabs(chi_square_z(found, expected)), threshold)
+        << "footprint " << point.footprint;
+  }
+  EXPECT_GT(binomial, 0);
+}
+
+// The correlation of the counts of two samples, as a standard normal deviate.
+template <class First, class Second>
+double correlation_z(Random& random, const First& first, const Second& second) {
+  constexpr int kPairs = 20'000;
+  double aa = 0, bb = 0, ab = 0;
+  for (int k = 0; k < kPairs; ++k) {
+    const Vec3<double> where{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const double a = first(where), b = second(where);
+    aa += a * a;
+    bb += b * b;
+    ab += a * b;
+  }
+  return ab / std::sqrt(aa * bb) * std::sqrt(1.0 * kPairs);
+}
+
+TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
+  Random random(run_seed() + 1);
+  Paint paint = on_surface(3000);
+  paint.more[0] = paint.species(0);
+  const Layer<double> layer = make_layer<double>(paint);
+  const Frame plane = any_frame(random);
+  const auto base = on_plane(plane, 0.8, 1e-7);
+  const auto light = mirrored_at(base, plane, 0.05, 0.00465);
+  // N less its mean, over the deviation of a Poisson count.
+  const auto count = [&](Vec3<double> where, auto change, std::size_t species = 0) {
+    SurfacePoint<double> point = base;
+    point.own.position = where;
+    SeenLight<double> seen = light;
+    change(point, seen);
+    const auto all = sparkle(layer, point, pass_between(layer, point, seen), 0, 0, 0);
+    const double mean = all.expected[species].mean_count;
+    return (all.count[species] - mean) / std::sqrt(mean);
+  };
+  const auto same = [](auto&, auto&) {};
+  const auto here = [&](Vec3<double> where) { return count(where, same); };
+  const double side = std::sqrt(find_cell(base, layer.cell_share, 0.0, HashWords{}).area);
+  const auto shifted = [&](Vec3<double> by) {
+    return [&, by](Vec3<double> where) {
+      return count(where,
+                   [&](auto& point, auto&) { point.own.position = point.own.position + by; });
+    };
+  };
+  std::map<std::string, double> z;
+  // Beyond the longest cell that the footprint may ask for, and cells 2^28 and 2^30 apart.
+  z["the next cell"] = correlation_z(random, here, shifted(plane.a * (3 * side)));
+  z["the next cell, across"] = correlation_z(random, here, shifted(plane.b * (3 * side)));
+  for (const int power : {24, 28, 30, 32}) {
+    const double far = std::ldexp(1.0, power + std::ilogb(side));
+    for (const Vec3<double> axis : {Vec3<double>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+      z["cells 2^" + std::to_string(power) + " apart along " +
+        std::to_string(axis.y + 2 * axis.z)] = correlation_z(random, here, shifted(axis * far));
+    }
+  }
+  z["another level"] = correlation_z(random, here, [&](Vec3<double> where) {
+    return count(where, [](auto& point, auto&) { point.footprint *= 16; });
+  });
+  z["another normal"] = correlation_z(random, here, [&](Vec3<double> where) {
+    return count(where,
+                 [&](auto& point, auto& seen) { seen = mirrored_at(point, plane, 0.12, 0.00465); });
+  });
+  z["another species"] =
+      correlation_z(random, here, [&](Vec3<double> where) { return count(where, same, 1); });
+  z["another instance"] = correlation_z(random, here, [&](Vec3<double> where) {
+    return count(where, [](auto& point, auto&) { point.own.instance = 7; });
+  });
+  z["the other face"] = correlation_z(random, here, [&](Vec3<double> where) {
+    return count(where, [](auto& point, auto& seen) {
+      point.normal = point.normal * -1.0;
+      point.view = point.view * -1.0;
+      seen.direction = seen.direction * -1.0L;
+    });
+  });
+  const double threshold = sidak_threshold(kFreshLevel, static_cast<double>(z.size()));
+  for (const auto& [name, deviation] : z) EXPECT_LE(std::fabs(deviation), threshold) << name;
+  // What the test would find: a sample of the same cell.
+  EXPECT_GT(correlation_z(random, here, here), 100);
+}
+
+bool alike(HashWords a, HashWords b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
+}
+
+TEST(Anchor, FlakesStayLitWhileTheHalfWayDirectionTurnsByLessThanTheCone) {
+  Random random(run_seed() + 2);
+  constexpr int kTurns = 40'000;
+  for (const double radius : {1e-3, 0.01, 0.07}) {
+    const double sin2_half = radius * radius / 4;
+    const auto kept = [&](double radii) {
+      int same = 0;
+      for (int k = 0; k < kTurns; ++k) {
+        const Frame frame = any_frame(random);
+        const HashWords cell = pcg4d({static_cast<std::uint32_t>(random.bits()), 1, 2, 3});
+        const double turn = radii * radius;
+        const Vec3<double> turned = frame.n * std::cos(turn) + frame.a * std::sin(turn);
+        same +=
+            alike(about_normal(cell, frame.n, sin2_half), about_normal(cell, turned, sin2_half));
+      }
+      return same / static_cast<double>(kTurns);
+    };
+    // The sides are 5 radii on average and a turn crosses 3/2 of a lattice's walls per side; seven
+    // standard errors.
+    EXPECT_NEAR(kept(0.25), 1 - 1.5 * 0.25 / kNormalCell, 0.015) << radius;
+    EXPECT_GT(kept(1), 0.6) << radius;
+    EXPECT_EQ(kept(4 * kNormalCell), 0) << radius;
+  }
+}
+
+// Of two samples of one pixel through Cycles' filter (Blackman and Harris, 1.5 pixels): flakes of
+// no size have the variance m2 lambda/Sigma times the filter's integral of h^2; cells, in which
+// both samples see the same, E[1(same cell)/area].
+class Filter {
+ public:
+  Filter() {
+    double first = 0, second = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double h = at((i + 0.5) / kSteps);
+      first += h / kSteps;
+      second += h * h / kSteps;
+    }
+    const double along = second / (first * first) / kWidth;
+    square_ = along * along;
+  }
+  double square() const { return square_; }  // in two dimensions, 1/pixel^2
+  double sample(Random& random) const {
+    for (;;) {
+      const double t = random.uniform();
+      if (random.uniform() < at(t)) return (t - 0.5) * kWidth;
+    }
+  }
+
+ private:
+  static constexpr double kWidth = 1.5;
+  static constexpr int kSteps = 10'000;
+  static double at(double t) {
+    return 0.35875 - 0.48829 * std::cos(2 * kPi * t) + 0.14128 * std::cos(4 * kPi * t) -
+           0.01168 * std::cos(6 * kPi * t);
+  }
+  double square_ = 0;
+};
+
+struct Share {
+  double mean, error;
+};
+
+Share share_of_variance(Random& random, const Filter& filter, double cells, double aspect) {
+  constexpr int kPlanes = 200, kPairs = 1000;
+  Moments shares;
+  for (int i = 0; i < kPlanes; ++i) {
+    const Frame plane = any_frame(random);
+    const double footprint = random.log_uniform(1e-9, 1.6e-8), c = 1 / aspect;
+    const double turn = random.uniform(0, 2 * kPi), width = std::sqrt(footprint * c);
+    const auto cell_of_sample = [&](Vec3<double> pixel) {
+      const double x = filter.sample(random), y = filter.sample(random);
+      const double across = x * std::cos(turn) - y * std::sin(turn);
+      const double along = x * std::sin(turn) + y * std::cos(turn);
+      SurfacePoint<double> point = on_plane(plane, c, footprint);
+      point.own.position = pixel + plane.b * (across * width) + plane.a * (along * width / c);
+      return find_cell(point, 1 / cells, 0.0, HashWords{1, 2, 3, 4});
+    };
+    double sum = 0;
+    for (int k = 0; k < kPairs; ++k) {
+      const Vec3<double> pixel =
+          plane.a * random.uniform(0, 0.1) + plane.b * random.uniform(0, 0.1);
+      const auto one = cell_of_sample(pixel), other = cell_of_sample(pixel);
+      if (alike(one.key, other.key)) sum += footprint / one.area;
+    }
+    shares.add(sum / kPairs / filter.square());
+  }
+  return {shares.mean(), std::sqrt((shares.variance() - shares.mean() * shares.mean()) / kPlanes)};
+}
+
+TEST(Anchor, AFilteredPixelKeepsTheVarianceOfPointFlakes) {
+  Random random(run_seed() + 3);
+  const Filter filter;
+  const std::vector<double> aspects{1, 1.5, 2, 5, 20, 50};
+  const double z = sidak_threshold(kFreshLevel, 4.0 * static_cast<double>(aspects.size()));
+  const double cells = Paint{}.cells_per_pixel;
+  for (const double aspect : aspects) {
+    const Share usual = share_of_variance(random, filter, cells, aspect);
+    EXPECT_GT(usual.mean + z * usual.error, 0.7) << "aspect " << aspect;
+    EXPECT_LT(usual.mean - z * usual.error, 1.05) << "aspect " << aspect;
+    const Share fine = share_of_variance(random, filter, 64, aspect);
+    EXPECT_GT(fine.mean + z * fine.error, 0.9) << "aspect " << aspect;
+    EXPECT_LT(fine.mean - z * fine.error, 1.05) << "aspect " << aspect;
+    std::ostringstream text;
+    text.precision(3);
+    text << usual.mean << " +- " << usual.error << ", finest " << fine.mean << " +- " << fine.error;
+    RecordProperty("aspect " + std::to_string(static_cast<int>(10 * aspect)), text.str());
+    std::cout << "aspect " << aspect << ": " << text.str() << '\n';
+  }
+}
+
+TEST(Anchor, ACellHasTheAreaThatASurfaceCutsOutOfIt) {
+  Random random(run_seed() + 4);
+  for (int i = 0; i < 20; ++i) {
+    const Frame plane = any_frame(random);
+    const auto base = on_plane(plane, random.uniform(0.1, 1), random.log_uniform(1e-10, 1e-4));
+    // Hits on a fine grid of the plane about a point, for the cell there.
+    const double reach = 4 * std::sqrt(base.footprint), step = reach / 1000;
+    SurfacePoint<double> point = base;
+    const Vec3<double> centre =
+        plane.a * random.uniform(-1, 1) + plane.b * random.uniform(-1, 1) + plane.n;
+    point.own.position = centre;
+    const auto cell = find_cell(point, 0.2, 0.0, HashWords{5, 6, 7, 8});
+    long hits = 0;
+    for (int x = -500; x < 500; ++x) {
+      for (int y = -500; y < 500; ++y) {
+        point.own.position = centre + plane.a * (x * step) + plane.b * (y * step);
+        hits += alike(find_cell(point, 0.2, 0.0, HashWords{5, 6, 7, 8}).key, cell.key);
+      }
+    }
+    // Columns end after 16 sides, and a neighbour's deviate of the other axis may cut a long cell:
+    // a cell may lose some of its area, and has no more.
+    EXPECT_LT(static_cast<double>(hits) * step * step, 1.05 * cell.area);
+    EXPECT_GT(static_cast<double>(hits), 0);
+  }
+}
+
+TEST(Anchor, AUniformPlaneShowsNoLattice) {
+  Random random(run_seed() + 5);
+  constexpr int kSize = 64, kSamples = 8, kPlanes = 12;
+  const Paint paint = on_surface(3000);
+  const Layer<double> layer = make_layer<double>(paint);
+  
+  for (int i = 0; i < kPlanes; ++i) {
+    const Frame plane = any_frame(random);
+    auto point = on_plane(plane, 0.9, 1e-7);
+    const auto way = pass_between(layer, point, mirrored_at(point, plane, 0.03, 0.00465));
+    std::vector<double> picture(kSize * kSize);
+    const double width = std::sqrt(point.footprint * 0.9);
+    double mean = 0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        double sum = 0;
+        for (int k = 0; k < kSamples; ++k) {
+          point.own.position = plane.b * ((x + random.uniform()) * width) +
+                               plane.a * ((y + random.uniform()) * width / 0.9);
+          sum += sparkle(layer, point, way, 0, 0, i).radiance.y;
+        }
+        picture[static_cast<std::size_t>(y * kSize + x)] = sum;
+        mean += sum / (kSize * kSize);
+      }
+    }
+    // A separable Fourier transform, row by row and column by column.
+    std::vector<std::complex<double>> field(picture.begin(), picture.end());
+    for (auto& value : field) value -= mean;
+    for (int axis = 0; axis < 2; ++axis) {
+      const int next = axis == 0 ? 1 : kSize, line = axis == 0 ? kSize : 1;
+      for (int row = 0; row < kSize; ++row) {
+        std::vector<std::complex<double>> out(kSize);
+        for (int f = 0; f < kSize; ++f) {
+          for (int k = 0; k < kSize; ++k) {
+            out[static_cast<std::size_t>(f)] +=
+                field[static_cast<std::size_t>(row * line + k * next)] *
+                std::polar(1.0, -2 * kPi * f * k / kSize);
+          }
+        }
+        for (int f = 0; f < kSize; ++f) {
+          field[static_cast<std::size_t>(row * line + f * next)] = out[static_cast<std::size_t>(f)];
+        }
+      }
+    }
+    // Any line of the spectrum would stand out of its neighbours, in the mean of 7 x 7 of which
+    // noise is exponential.
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize / 2; ++x) {
+        if (x == 0 && y == 0) continue;
+        double around = 0;
+        int n = 0;
+        for (int dy = -3; dy <= 3; ++dy) {
+          for (int dx = -3; dx <= 3; ++dx) {
+            const int at = ((y + dy + kSize) % kSize) * kSize + (x + dx + kSize) % kSize;
+            if ((dx == 0 && dy == 0) || at == 0) continue;
+            around += std::norm(field[static_cast<std::size_t>(at)]);
+            ++n;
+          }
+        }
+        const double height =
+            std::norm(field[static_cast<std::size_t>(y * kSize + x)]) / around * n;
+        // P(height > h) = (1 + h/n)^-n: an exponential over the mean of n others.
+        const double chance = std::pow(1 + height / n, -n);
+        EXPECT_GT(chance * kSize * kSize / 2 * kPlanes, kFreshLevel) << x << ' ' << y;
+      }
+    }
+  }
+}
+
+}  // namespace
