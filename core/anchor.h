@@ -24,7 +24,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "elementary.h"
 #include "layer.h"
 #include "passage.h"
 #include "random.h"
@@ -76,28 +75,29 @@ std::uint32_t lattice_word(T cell) {
 // The octave in which a size lies: side/2 < size <= side = 2^level.
 template <class T>
 struct Octave {
-  int level{};
-  T side{};
-  T whole{};  // share of sides that stay whole, so that side or side/2 is `size` on average
+  int level = 0;
+  T side = 1;
 };
 
 template <class T>
 Octave<T> octave_of(T size) {
   Octave<T> octave;
-  const T level = std::ceil(logarithm(size) * T(1.44269504088896340736L));
-  octave.level = static_cast<int>(std::clamp(level, T(-60), T(60)));
-  octave.side = power_of_two<T>(octave.level);
-  octave.whole = 2 * size / octave.side - 1;
+  while (octave.side < size && octave.level < 60) {
+    octave.level = octave.level + 1;
+    octave.side = octave.side * 2;
+  }
+  while (octave.side * T(0.5) >= size && octave.level > -60) {
+    octave.level = octave.level - 1;
+    octave.side = octave.side * T(0.5);
+  }
   return octave;
 }
 
-// Halved, unless the deviate of its parent keeps it whole.
+// An octave's side, or the half of it: by the deviate `word`, so that it is `size` on average.
 template <class T>
-Octave<T> settled(Octave<T> octave, std::uint32_t word) {
-  if (uniform_23<T>(word) < octave.whole) return octave;
-  octave.level = octave.level - 1;
-  octave.side = octave.side * T(0.5);
-  return octave;
+Octave<T> settled(Octave<T> octave, T size, std::uint32_t word) {
+  if (uniform_23<T>(word) < 2 * size / octave.side - 1) return octave;
+  return {octave.level - 1, octave.side * T(0.5)};
 }
 
 // The cell in which a point lies; `share` of the pixel's footprint is a cell's area, but it is not
@@ -139,27 +139,29 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
   const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
   const T straight = std::max(1 - std::abs(q_uv) / std::sqrt(q_uu * q_vv), T(1e-4));
-  const T root = std::sqrt(size);
-  Octave<T> along_u = octave_of(root * std::sqrt(q_uu * straight));
-  Octave<T> along_v = octave_of(root * std::sqrt(q_vv * straight));
+  const T sizes[2] = {std::sqrt(size * (q_uu * straight)), std::sqrt(size * (q_vv * straight))};
 
-  // The deviate of either axis belongs to a square of its own parent side: what the other axis does
-  // leaves it alone.
-  const HashWords by_u = pcg4d({lattice_word(std::floor(u / along_u.side)) ^ stream.x,
-                                lattice_word(std::floor(v / along_u.side)) ^ stream.y, stream.z,
-                                stream.w + static_cast<std::uint32_t>(along_u.level * 8 + axis)});
-  const HashWords by_v = pcg4d({lattice_word(std::floor(u / along_v.side)) ^ stream.x,
-                                lattice_word(std::floor(v / along_v.side)) ^ stream.y, stream.z,
-                                stream.w + static_cast<std::uint32_t>(along_v.level * 8 + axis)});
-  along_u = settled(along_u, by_u.x);
-  along_v = settled(along_v, by_v.y);
+  // The deviate of either side belongs to a square of that parent: what the other side does leaves
+  // it alone.
+  T side[2];
+  int level[2];
+  for (int i = 0; i < 2; ++i) {
+    const Octave<T> parent = octave_of(sizes[i]);
+    const HashWords words = pcg4d({lattice_word(std::floor(u / parent.side)) ^ stream.x,
+                                   lattice_word(std::floor(v / parent.side)) ^ stream.y,
+                                   stream.z + static_cast<std::uint32_t>(i),
+                                   stream.w + static_cast<std::uint32_t>(parent.level * 8 + axis)});
+    const Octave<T> own_side = settled(parent, sizes[i], words.x);
+    side[i] = own_side.side;
+    level[i] = own_side.level;
+  }
 
   Cell<T> cell;
-  cell.area = along_u.side * along_v.side / facing;
-  const T column = T(kColumn) * std::max(along_u.side, along_v.side);
-  const int kind = (along_u.level * 256 + along_v.level) * 8 + axis;
-  cell.key = pcg4d({lattice_word(std::floor(u / along_u.side)) ^ stream.x,
-                    lattice_word(std::floor(v / along_v.side)) ^ stream.y,
+  cell.area = side[0] * side[1] / facing;
+  const T column = T(kColumn) * std::max(side[0], side[1]);
+  const int kind = (level[0] * 256 + level[1]) * 8 + axis;
+  cell.key = pcg4d({lattice_word(std::floor(u / side[0])) ^ stream.x,
+                    lattice_word(std::floor(v / side[1])) ^ stream.y,
                     lattice_word(std::floor(w / column)) ^ stream.z,
                     stream.w + static_cast<std::uint32_t>(kind)});
   return cell;
@@ -178,8 +180,8 @@ std::uint32_t normal_place(T x, T side, std::uint32_t offset) {
 template <class T>
 HashWords about_normal(HashWords cell, Vec3<T> n, T sin2_half_rho) {
   const T radius = 2 * std::sqrt(sin2_half_rho);
-  const Octave<T> octave =
-      settled(octave_of(std::clamp(T(kNormalCell) * radius, T(1e-6), T(2))), cell.w);
+  const T side = std::clamp(T(kNormalCell) * radius, T(1e-6), T(2));
+  const Octave<T> octave = settled(octave_of(side), side, cell.w);
   return pcg4d({cell.x ^ normal_place(n.x, octave.side, cell.x),
                 cell.y ^ normal_place(n.y, octave.side, cell.y),
                 cell.z ^ normal_place(n.z, octave.side, cell.z),

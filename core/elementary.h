@@ -15,21 +15,6 @@
 
 namespace metallic_paint {
 
-// 2^k for -126 <= k <= 127, exact. OSL has neither ldexp nor an exact pow.
-template <class T>
-T power_of_two(int k) {
-  const int n = k < 0 ? -k : k;
-  T power = 1;
-  if ((n & 1) != 0) power *= T(2);
-  if ((n & 2) != 0) power *= T(4);
-  if ((n & 4) != 0) power *= T(16);
-  if ((n & 8) != 0) power *= T(256);
-  if ((n & 16) != 0) power *= T(65536);
-  if ((n & 32) != 0) power *= T(4294967296);
-  if ((n & 64) != 0) power *= T(18446744073709551616.0L);
-  return k < 0 ? 1 / power : power;
-}
-
 // e^x. float: relative error 3e-7 for |x| <= 87; 0 below -87, e^88 above 88.
 template <class T>
 T exponential(T x) {
@@ -99,8 +84,17 @@ inline float exponential(float x) {
       1.0f + r * (1.0f + r * (0.499999911f +
                               r * (0.166664198f + r * (0.0416682251f + r * (0.00837482233f +
                                                                             r * 0.00138368341f)))));
-  const float power = power_of_two<float>(static_cast<int>(k));
-  return e_r * power;
+  // 2^k by its bits: OSL has neither ldexp nor an exact pow.
+  const int n = static_cast<int>(std::fabs(k));
+  float power = 1.0f;
+  if ((n & 1) != 0) power *= 2.0f;
+  if ((n & 2) != 0) power *= 4.0f;
+  if ((n & 4) != 0) power *= 16.0f;
+  if ((n & 8) != 0) power *= 256.0f;
+  if ((n & 16) != 0) power *= 65536.0f;
+  if ((n & 32) != 0) power *= 4294967296.0f;
+  if ((n & 64) != 0) power *= 18446744073709551616.0f;
+  return k < 0.0f ? e_r / power : e_r * power;
 }
 
 template <>

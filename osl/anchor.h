@@ -3,7 +3,6 @@
 // What the sparkles belong to: see core/anchor.h.
 #pragma once
 
-#include "elementary.h"
 #include "layer.h"
 #include "passage.h"
 #include "random.h"
@@ -41,23 +40,28 @@ int lattice_word(float cell)
 struct Octave {
   int level;
   float side;
-  float whole;
 };
 
 Octave octave_of(float size)
 {
   Octave octave;
-  float level = ceil(logarithm(size) * 1.44269504);
-  octave.level = (int)clamp(level, -60.0, 60.0);
-  octave.side = power_of_two(octave.level);
-  octave.whole = 2.0 * size / octave.side - 1.0;
+  octave.level = 0;
+  octave.side = 1.0;
+  while (octave.side < size && octave.level < 60) {
+    octave.level = octave.level + 1;
+    octave.side = octave.side * 2.0;
+  }
+  while (octave.side * 0.5 >= size && octave.level > -60) {
+    octave.level = octave.level - 1;
+    octave.side = octave.side * 0.5;
+  }
   return octave;
 }
 
-Octave settled(Octave given, int word)
+Octave settled(Octave given, float size, int word)
 {
   Octave octave = given;
-  if (!(uniform_23(word) < given.whole)) {
+  if (!(uniform_23(word) < 2.0 * size / given.side - 1.0)) {
     octave.level = given.level - 1;
     octave.side = given.side * 0.5;
   }
@@ -99,25 +103,26 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float q_vv = round_part * (1.0 - n_v * n_v) + longer * (t_v * t_v);
   float q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
   float straight = max(1.0 - fabs(q_uv) / sqrt(q_uu * q_vv), 1e-4);
-  float root = sqrt(size);
-  Octave along_u = octave_of(root * sqrt(q_uu * straight));
-  Octave along_v = octave_of(root * sqrt(q_vv * straight));
+  float sizes[2] = {sqrt(size * (q_uu * straight)), sqrt(size * (q_vv * straight))};
 
-  HashWords by_u = pcg4d(lattice_word(floor(u / along_u.side)) ^ stream.x,
-                         lattice_word(floor(v / along_u.side)) ^ stream.y, stream.z,
-                         stream.w + (along_u.level * 8 + axis));
-  HashWords by_v = pcg4d(lattice_word(floor(u / along_v.side)) ^ stream.x,
-                         lattice_word(floor(v / along_v.side)) ^ stream.y, stream.z,
-                         stream.w + (along_v.level * 8 + axis));
-  along_u = settled(along_u, by_u.x);
-  along_v = settled(along_v, by_v.y);
+  float side[2] = {0.0, 0.0};
+  int level[2] = {0, 0};
+  for (int i = 0; i < 2; ++i) {
+    Octave parent = octave_of(sizes[i]);
+    HashWords words = pcg4d(lattice_word(floor(u / parent.side)) ^ stream.x,
+                            lattice_word(floor(v / parent.side)) ^ stream.y, stream.z + i,
+                            stream.w + (parent.level * 8 + axis));
+    Octave own_side = settled(parent, sizes[i], words.x);
+    side[i] = own_side.side;
+    level[i] = own_side.level;
+  }
 
   Cell cell;
-  cell.area = along_u.side * along_v.side / facing;
-  float column = COLUMN * max(along_u.side, along_v.side);
-  int kind = (along_u.level * 256 + along_v.level) * 8 + axis;
-  cell.key = pcg4d(lattice_word(floor(u / along_u.side)) ^ stream.x,
-                   lattice_word(floor(v / along_v.side)) ^ stream.y,
+  cell.area = side[0] * side[1] / facing;
+  float column = COLUMN * max(side[0], side[1]);
+  int kind = (level[0] * 256 + level[1]) * 8 + axis;
+  cell.key = pcg4d(lattice_word(floor(u / side[0])) ^ stream.x,
+                   lattice_word(floor(v / side[1])) ^ stream.y,
                    lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);
   return cell;
 }
@@ -130,7 +135,8 @@ int normal_place(float x, float side, int offset)
 HashWords about_normal(HashWords cell, vector n, float sin2_half_rho)
 {
   float radius = 2.0 * sqrt(sin2_half_rho);
-  Octave octave = settled(octave_of(clamp(NORMAL_CELL * radius, 1e-6, 2.0)), cell.w);
+  float side = clamp(NORMAL_CELL * radius, 1e-6, 2.0);
+  Octave octave = settled(octave_of(side), side, cell.w);
   return pcg4d(cell.x ^ normal_place(n[0], octave.side, cell.x), cell.y ^ normal_place(n[1], octave.side, cell.y),
                cell.z ^ normal_place(n[2], octave.side, cell.z), cell.w + octave.level);
 }

@@ -44,6 +44,7 @@ int is_sound(color x)
 #ifdef DIAGNOSTICS
 
 #define ASKED_MEAN 1
+#define ASKED_OWN_SPACE 1
 #define ASKED_SPECIES (DiagnosticSpecies - 1)
 
 #define DIAGNOSE_SURFACE \
@@ -113,6 +114,7 @@ int is_sound(color x)
 #else
 
 #define ASKED_MEAN 0
+#define ASKED_OWN_SPACE 0
 #define ASKED_SPECIES 0
 #define DIAGNOSE_SURFACE
 #define DIAGNOSE_LIGHT

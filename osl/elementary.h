@@ -10,22 +10,6 @@ float inner_product(vector a, vector b)
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-float power_of_two(int k)
-{
-  int n = k < 0 ? -k : k;
-  float power = 1.0;
-  if (n & 1) power *= 2.0;
-  if (n & 2) power *= 4.0;
-  if (n & 4) power *= 16.0;
-  if (n & 8) power *= 256.0;
-  if (n & 16) power *= 65536.0;
-  if (n & 32) power *= 4294967296.0;
-  if (n & 64) power *= 18446744073709551616.0;
-  if (k < 0)
-    return 1.0 / power;
-  return power;
-}
-
 float exponential(float x)
 {
   if (x < -87.0)
@@ -35,7 +19,18 @@ float exponential(float x)
   float r = (y - k * 0.693145752) - k * 1.42860677e-6;
   float e_r = 1.0 + r * (1.0 + r * (0.499999911 + r * (0.166664198 + r * (0.0416682251 +
               r * (0.00837482233 + r * 0.00138368341)))));
-  return e_r * power_of_two((int)k);
+  int n = (int)fabs(k);
+  float power = 1.0;
+  if (n & 1) power *= 2.0;
+  if (n & 2) power *= 4.0;
+  if (n & 4) power *= 16.0;
+  if (n & 8) power *= 256.0;
+  if (n & 16) power *= 65536.0;
+  if (n & 32) power *= 4294967296.0;
+  if (n & 64) power *= 18446744073709551616.0;
+  if (k < 0.0)
+    return e_r / power;
+  return e_r * power;
 }
 
 float logarithm(float x)
