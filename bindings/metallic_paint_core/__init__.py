@@ -8,11 +8,13 @@ formulas are in docs/model; each docstring names its source there.
 """
 
 from ._native import (
+    Anchor,
     CoatingKind,
     Composition,
     DepthModel,
     Diffraction,
     FlakeSpecies,
+    Instances,
     Light,
     LightKind,
     Orientation,
@@ -37,11 +39,13 @@ from ._native import (
 )
 
 __all__ = [
+    "Anchor",
     "CoatingKind",
     "Composition",
     "DepthModel",
     "Diffraction",
     "FlakeSpecies",
+    "Instances",
     "Light",
     "LightKind",
     "Orientation",

@@ -8,11 +8,13 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._paint import Anchor as Anchor
 from ._paint import CoatingKind as CoatingKind
 from ._paint import Composition as Composition
 from ._paint import DepthModel as DepthModel
 from ._paint import Diffraction as Diffraction
 from ._paint import FlakeSpecies as FlakeSpecies
+from ._paint import Instances as Instances
 from ._paint import Orientation as Orientation
 from ._paint import Paint as Paint
 from ._paint import Radiometry as Radiometry

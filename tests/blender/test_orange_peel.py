@@ -46,8 +46,7 @@ def test_the_waves_are_the_cores(tmp_path: Path) -> None:
         view=up,
         footprint=np.full(n, 1e-6),
         pixel=np.zeros((n, 2), dtype=np.int32),
-        object_position=p,
-        meters_per_unit=1e-3,
+        own_position=p * 1e-3,
     )["coat_normal"]
     assert shown[:, :2].std() > 0.1, "there are waves"
     # The same gradients at every corner; what is left is rounding, in single precision.

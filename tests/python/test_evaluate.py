@@ -73,14 +73,15 @@ def test_mean_radiance_is_cosine_times_brdf(
     np.testing.assert_allclose(mean, direction[0, 2] * brdf, rtol=1e-12)
 
 
-def test_mean_of_many_pixels_is_the_closed_form() -> None:
+@pytest.mark.parametrize("anchor", ["pixel", "surface"])
+def test_mean_of_many_pixels_is_the_closed_form(anchor: str) -> None:
     n = 200_000
-    result = core.evaluate(core.Paint(flake_area_spread=0.5), [SUN], **scene(n))
-    mean, variance = result["mean_radiance"][0, 0], result["variance"][0, 0]
+    places = scene(n, own_position=np.random.default_rng().uniform(-1, 1, (n, 3)))
+    result = core.evaluate(core.Paint(flake_area_spread=0.5, anchor=anchor), [SUN], **places)
+    mean, variance = result["mean_radiance"][0, 0], result["variance"][:, 0].mean(axis=0)
     deviation = (result["radiance"][:, 0].mean(axis=0) - mean) / np.sqrt(variance / n)
-    assert (
-        np.abs(deviation).max() < 4
-    )  # two-sided, by chance once in 16,000; the deviates are fixed
+    # Two-sided, three colours: by chance once in a million; the pixels' deviates are fixed.
+    assert np.abs(deviation).max() < 5.1
 
 
 def test_two_lights_in_one_another_share_their_sparkles() -> None:
