@@ -32,8 +32,8 @@
 namespace metallic_paint {
 
 // The side of a cell of normals, in radii of the cone of normals that sparkle. A turn by a quarter
-// of the cone leaves 94 % of the cells; one by the whole side leaves none.
-inline constexpr double kNormalCell = 5;
+// of a radius keeps 95 % of the flakes lit (real ones: 84 %), a few cones make a new set.
+inline constexpr double kNormalCell = 8;
 
 // The footprint is as long as at this cosine where the view is lower.
 inline constexpr double kLongestFootprint = 0.01;

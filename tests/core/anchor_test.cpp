@@ -218,8 +218,8 @@ TEST(Anchor, FlakesStayLitWhileTheHalfWayDirectionTurnsByLessThanTheCone) {
       }
       return same / static_cast<double>(kTurns);
     };
-    // The sides are 5 radii on average and a turn crosses 3/2 of a lattice's walls per side; seven
-    // standard errors.
+    // The sides are kNormalCell radii on average and a turn crosses 3/2 of a lattice's walls per
+    // side; seven standard errors.
     EXPECT_NEAR(kept(0.25), 1 - 1.5 * 0.25 / kNormalCell, 0.015) << radius;
     EXPECT_GT(kept(1), 0.6) << radius;
     EXPECT_EQ(kept(4 * kNormalCell), 0) << radius;
@@ -342,7 +342,7 @@ TEST(Anchor, AUniformPlaneShowsNoLattice) {
   constexpr int kSize = 64, kSamples = 8, kPlanes = 12;
   const Paint paint = on_surface(3000);
   const Layer<double> layer = make_layer<double>(paint);
-  
+
   for (int i = 0; i < kPlanes; ++i) {
     const Frame plane = any_frame(random);
     auto point = on_plane(plane, 0.9, 1e-7);
