@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scenes of ./paint verify: every kind of light, model, surface and camera, near and far."""
+"""The scenes of ./paint verify: all kinds of lights, models, surfaces and cameras, near and far."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Vector
 from metallic_paint.paint import Flakes, Paint, material, presets
-from metallic_paint.scene import lights
+from metallic_paint.scene import lights, rest_position
 from pictures import demo_model
 
 SILVER = Paint()
@@ -45,6 +45,7 @@ class Scene:
     elevation: float = 50.0  # of the camera over the plane, degrees
     width: float = 0.2  # of what the picture shows, metres
     orthographic: bool = False
+    panorama: str = ""  # Blender's name of its kind
     scale: tuple[float, float, float] = (1, 1, 1)
     rotation: tuple[float, float, float] = (0, 0, 0)
     seeds: int = 1  # pictures over which mean and variance are taken
@@ -91,7 +92,8 @@ def _place(
 
 
 SUN = sun("Sun", 60, 110, 0.53)
-SCENES = (
+BALL = (0.03, 0.03, 0.03)
+_SCENES = (
     Scene("sun, plane, close", (SUN,), width=0.06, seeds=8),
     Scene("sun, plane, far", (SUN,), distance=300, width=60),
     Scene("sun of no size, sphere, close", (sun("Sun", 60, 110),), shape="sphere",
@@ -163,7 +165,31 @@ SCENES = (
           lamp("Point", "POINT", (4, -2, 3), 0.02, 1500)), shape="car",
           rotation=(0, 0, -0.6), distance=10, elevation=20, width=4.6,
           paint=presets.load("deep-blue"), seeds=2),
+    Scene("20 cells in a pixel", (SUN,), width=0.06, seeds=8,
+          paint=dataclasses.replace(SILVER, cells_per_pixel=20)),
+    Scene("unevenly scaled and sheared", (SUN,), shape="sheared", scale=(0.03, 0.01, 0.05),
+          rotation=(0.5, -0.3, 1.1), width=0.08, paint=CANDY, seeds=16),
+    Scene("instances", (SUN,), shape="instances", scale=BALL, width=0.2, seeds=4),
+    Scene("instances that sparkle alike", (SUN,), shape="instances", scale=BALL, width=0.2,
+          paint=dataclasses.replace(SILVER, instances="same"), seeds=4),
+    Scene("bent, with a rest position", (SUN,), shape="bent", scale=BALL, width=0.08, seeds=8),
 )  # fmt: skip
+# What the pixel anchor cannot show: it counts pixels of the picture, which these cameras bend.
+_PANORAMAS = (
+    Scene("fisheye", (SUN,), panorama="FISHEYE_EQUIDISTANT", distance=0.05, width=0.3, seeds=2),
+    Scene("equirectangular", (SUN,), panorama="EQUIRECTANGULAR", distance=0.05, width=0.3,
+          seeds=2),
+    Scene("mirror ball", (SUN,), panorama="MIRRORBALL", distance=0.05, width=0.3, seeds=2),
+)  # fmt: skip
+
+
+def _by_pixels(spec: Scene) -> Scene:
+    paint = dataclasses.replace(spec.paint, anchor="pixel")
+    return dataclasses.replace(spec, name=f"{spec.name}, by pixels", paint=paint)
+
+
+# Every scene with Anchor surface, every third by pixels too.
+SCENES = (*_SCENES, *_PANORAMAS, *map(_by_pixels, _SCENES[2::3]))
 
 
 def _add_car(scene: bpy.types.Scene) -> None:
@@ -173,6 +199,40 @@ def _add_car(scene: bpy.types.Scene) -> None:
         item.hide_render = item != body
     body.location.z = -0.65
     bpy.context.view_layer.objects.active = body
+
+
+def _add_sheared() -> None:
+    """A sphere whose parent's uneven scale is turned against its own."""
+    bpy.ops.object.empty_add()
+    parent = bpy.context.object
+    parent.scale, parent.rotation_euler = (1, 0.6, 0.8), (0.2, 0.4, 0)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
+    bpy.context.object.parent = parent
+
+
+def _add_instances(scene: bpy.types.Scene) -> None:
+    """A sphere, and three of it by instances of its collection; also under another name."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24)
+    sphere = bpy.context.object
+    collection = bpy.data.collections.new("Instanced")
+    collection.objects.link(sphere)
+    for x, y, turn in ((-0.07, 0, 0), (0.07, 0, 1), (0, 0.07, 2)):
+        empty = bpy.data.objects.new("Instancer", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
+        empty.location, empty.rotation_euler = (x, y, 0), (0, 0, turn)
+        scene.collection.objects.link(empty)
+
+
+def _add_bent() -> None:
+    """A sphere that a shape key bends, with its rest position."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48)
+    sphere = bpy.context.object
+    sphere.shape_key_add(name="Basis")
+    key = sphere.shape_key_add(name="Bent")
+    for point in key.data:
+        x, y, z = point.co
+        point.co = (x + 0.5 * z * z, y * (1 + 0.4 * z), z + 0.3 * x * y)
+    key.value = 1
 
 
 def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
@@ -185,6 +245,9 @@ def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
         "plane": lambda: bpy.ops.mesh.primitive_plane_add(size=4 * spec.width),
         "sphere": lambda: bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48),
         "monkey": lambda: bpy.ops.mesh.primitive_monkey_add(),
+        "sheared": _add_sheared,
+        "instances": lambda: _add_instances(scene),
+        "bent": _add_bent,
     }
     add[spec.shape]()
     item = bpy.context.object
@@ -192,6 +255,7 @@ def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
         polygon.use_smooth = spec.shape != "plane"
     item.scale, item.rotation_euler = spec.scale, spec.rotation
     material.assign(item, material.create(spec.paint))
+    rest_position.give(scene)
     for add_lamp in spec.lamps:
         add_lamp(scene)
 
@@ -201,7 +265,10 @@ def build(scene: bpy.types.Scene, spec: Scene, size: int) -> bpy.types.Object:
     camera.location = Vector((0.1, -math.cos(e), math.sin(e))).normalized() * spec.distance
     camera.rotation_euler = camera.location.to_track_quat("Z", "Y").to_euler()
     data.clip_start, data.clip_end = spec.distance / 100, spec.distance * 100
-    if spec.orthographic:
+    if spec.panorama:
+        data.type, data.panorama_type = "PANO", spec.panorama
+        data.fisheye_fov = math.radians(120)
+    elif spec.orthographic:
         data.type, data.ortho_scale = "ORTHO", spec.width
     else:
         data.angle = 2 * math.atan(spec.width / 2 / spec.distance)

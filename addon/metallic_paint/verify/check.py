@@ -114,7 +114,7 @@ def check(
     _hold_out(scene, layer, painted, region)
 
     in_use = [i for i, each in enumerate(settings.species) if each.flakes_per_mm2 > 0]
-    probe = _Probe(scene, painted, progress, steps=9 + len(lamps) * (len(in_use) + 3))
+    probe = _Probe(scene, painted, progress, steps=14 + len(lamps) * (len(in_use) + 3))
     geometry = dataclasses.replace(probe.geometry(), origin=region[:2])
     if not geometry.hit.any():
         raise VerifyError(f"The camera sees no paint of {thing.name} in the region.")

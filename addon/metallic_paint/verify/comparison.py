@@ -27,6 +27,7 @@ LEAST_WEIGHT = 1.1e-5
 # Error that float rounding may leave in <N> (relative) and in the uniform deviate.
 MEAN_ROUNDING = 1e-5
 UNIFORM_ROUNDING = 1e-6
+CELL_ROUNDING = 3e-6  # of a cell's share of its parent, as a change of the footprint
 FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/expected_sparkles.h
 
 MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
@@ -56,18 +57,8 @@ def predict(
     """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
     import metallic_paint_core as core
 
-    hit = geometry.hit
-    return core.evaluate(
-        paint,
-        slots,
-        position=geometry.position[hit],
-        normal=geometry.normal[hit],
-        view=geometry.view[hit],
-        footprint=geometry.footprint[hit],
-        pixel=geometry.own_pixel()[hit],
-        precision=precision,
-        species=species,
-    )
+    places = geometry.places()
+    return core.evaluate(paint, slots, **places, precision=precision, species=species)
 
 
 def compare(
@@ -86,16 +77,21 @@ def compare(
     predicted and counts are those of each flake species. picture and irradiance are lit by the lamp
     of the slot `light`; counts and cone are those of the slot that leads it: itself, unless another
     light is too close by.
+
+    With Anchor surface the core is given all that the shader draws from, so no count has an excuse.
     """
+    import metallic_paint_core as core
+
     hit = geometry.hit
+    by_pixels = paint.anchor == core.Anchor.pixel
     shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
-    at_edge = shifted & _near_edge(geometry.raster[hit])
+    at_edge = by_pixels & shifted & _near_edge(geometry.raster[hit])
     same_count = edge = threshold = unexplained = 0
     all_same = np.ones(int(hit.sum()), dtype=bool)
     for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
         found = count[hit]
         same = found == expected["count"][:, leader]
-        step = _near_threshold(paint, geometry, expected, leader, species, found)
+        step = by_pixels & _near_threshold(paint, geometry, expected, leader, species, found)
         same_count += int(same.sum())
         edge += int((~same & at_edge).sum())
         threshold += int((~same & ~at_edge & step).sum())
@@ -130,25 +126,24 @@ def stack_error(paint: Paint, geometry: Geometry, shown: dict[str, np.ndarray]) 
     import metallic_paint_core as core
 
     hit = geometry.hit
-    expected = core.shade(
-        paint,
-        [],
-        position=geometry.position[hit],
-        normal=geometry.normal[hit],
-        view=geometry.view[hit],
-        footprint=geometry.footprint[hit],
-        pixel=geometry.pixel[hit],
-    )
-    error = np.zeros(hit.shape)
-    for name, picture in shown.items():
-        wanted = expected[name]  # type: ignore[literal-required]
-        if wanted.ndim == 1:
-            wanted = wanted[:, None]
-        # A texture multiplies: what it errs counts by the light that it scales.
-        scale = np.maximum(np.abs(wanted), 1) if name == "texture" else 1
-        off = (np.abs(picture[hit] - wanted) / scale).max(axis=-1)
-        error[hit] = np.maximum(error[hit], off)
-    return error
+    places = geometry.places() | {"pixel": geometry.pixel[hit]}
+    errors = []
+    # In double: whether a cell of the surface is whole or halved may hang on the shader's rounding.
+    for by in (1, 1 - CELL_ROUNDING, 1 + CELL_ROUNDING):
+        expected = core.shade(paint, [], **(places | {"footprint": by * places["footprint"]}))
+        error = np.zeros(int(hit.sum()))
+        for name, picture in shown.items():
+            wanted = expected[name]  # type: ignore[literal-required]
+            if wanted.ndim == 1:
+                wanted = wanted[:, None]
+            # A texture multiplies: what it errs counts by the light that it scales.
+            scale = np.maximum(np.abs(wanted), 1) if name == "texture" else 1
+            off = (np.abs(picture[hit] - wanted) / scale).max(axis=-1)
+            error = np.maximum(error, off)
+        errors.append(error)
+    worst = np.zeros(hit.shape)
+    worst[hit] = np.min(errors, axis=0)
+    return worst
 
 
 def _near_edge(raster: np.ndarray) -> np.ndarray:

@@ -20,7 +20,12 @@ import numpy as np
 
 from ..paint import material
 from .diagnostics import (
+    INSTANCE,
     NORMAL,
+    OWN_POSITION,
+    OWN_X,
+    OWN_Y,
+    OWN_Z,
     PIXEL,
     POSITION,
     RASTER,
@@ -43,6 +48,9 @@ class Geometry:
     footprint: np.ndarray  # (h, w) m²
     pixel: np.ndarray  # (h, w, 2) int, as the shader found it
     raster: np.ndarray  # (h, w, 2)
+    own_position: np.ndarray  # (h, w, 3) m, in the object's own space
+    own_axes: np.ndarray  # (h, w, 3, 3), that space's x, y and z in the world
+    instance: np.ndarray  # (h, w) int, tells copies of an object apart
     origin: tuple[int, int] = (0, 0)  # x and y of the picture's first pixel in the whole frame
 
     def own_pixel(self) -> np.ndarray:
@@ -50,6 +58,20 @@ class Geometry:
         h, w = self.hit.shape
         x, y = self.origin
         return np.stack(np.meshgrid(np.arange(x, x + w), np.arange(y, y + h)), axis=-1)
+
+    def places(self) -> dict[str, np.ndarray]:
+        """The pixels with paint, as the core's functions take them."""
+        hit = self.hit
+        return {
+            "position": self.position[hit],
+            "normal": self.normal[hit],
+            "view": self.view[hit],
+            "footprint": self.footprint[hit],
+            "pixel": self.own_pixel()[hit],
+            "own_position": self.own_position[hit],
+            "own_axes": self.own_axes[hit],
+            "instance": self.instance[hit],
+        }
 
 
 def make_noiseless(scene: bpy.types.Scene) -> None:
@@ -177,6 +199,9 @@ class Probe:
             footprint=pixel[..., 0],
             pixel=pixel[..., 1:].astype(np.int32),
             raster=self.image(RASTER)[..., :2],
+            own_position=self.image(OWN_POSITION),
+            own_axes=np.stack([self.image(axis) for axis in (OWN_X, OWN_Y, OWN_Z)], axis=-2),
+            instance=self.image(INSTANCE)[..., 0].astype(np.int32),
         )
 
     def passes(self) -> tuple[np.ndarray, np.ndarray]:
