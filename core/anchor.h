@@ -53,6 +53,13 @@ Vec3<T> own_direction(const OwnSpace<T>& own, Vec3<T> d) {
   return {dot(own.x, d), dot(own.y, d), dot(own.z, d)};
 }
 
+// The axis of the own space that is nearest to a direction in it: 0, 1 or 2.
+template <class T>
+int nearest_axis(Vec3<T> d) {
+  if (std::abs(d.z) > std::max(std::abs(d.x), std::abs(d.y))) return 2;
+  return std::abs(d.y) > std::abs(d.x) ? 1 : 0;
+}
+
 // What tells the flakes of one species in one object, or the texture of it, from others.
 template <class T>
 HashWords own_stream(const Layer<T>& layer, const OwnSpace<T>& own, int kind, int frame, int seed) {
@@ -120,9 +127,7 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   // (u, v) in the plane, w along the axis that is nearest to the normal.
   const T normal[3] = {n.x, n.y, n.z}, across[3] = {t.x, t.y, t.z};
   const T place[3] = {own.position.x, own.position.y, own.position.z};
-  int axis = 0;
-  if (std::abs(n.y) > std::abs(n.x)) axis = 1;
-  if (std::abs(n.z) > std::max(std::abs(n.x), std::abs(n.y))) axis = 2;
+  int axis = nearest_axis(n);
   const int next = (axis + 1) % 3, last = (axis + 2) % 3;
   const T n_u = normal[next], n_v = normal[last], n_w = normal[axis];
   const T t_u = across[next], t_v = across[last];

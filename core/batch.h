@@ -87,6 +87,7 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
   const auto evaluate_pixel = [&](std::size_t i) {
     const SurfacePoint<T> point = point_at<T>(batch, i);
     const SlotView<T> view = view_slots(slots, point);
+    const auto firsts = look_close(layer, point, paint.frame, paint.seed);
     for (std::size_t light = 0; light < slots.size(); ++light) {
       const std::size_t at = i * slots.size() + light;
       const int leader = view.leader[light];
@@ -109,7 +110,7 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
         const Rgb<T> slant = batch.slant != nullptr ? vector_at<T>(batch.slant, at) : Rgb<T>{};
         const Passage<T> way =
             pass_between(layer, point, view.seen[light], batch.slant != nullptr ? &slant : nullptr);
-        all = sparkle(layer, point, way, static_cast<int>(light), paint.frame, paint.seed);
+        all = sparkle(layer, point, firsts, way, static_cast<int>(light), paint.frame, paint.seed);
       }
       results.slots[at] = all.expected[species].slots;
       results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);

@@ -3,9 +3,11 @@
 // Elementary functions that give the same numbers in C++ and in OSL.
 //
 // Blender's OSL has fast, approximate exp, expm1 and acos (measured: expm1(1e-6) is 1.3 % wrong).
-// So the float versions here are written from + - * / and sqrt alone, operation for operation as in
-// osl/elementary.h; every wider type goes to the standard library and is the reference they are
-// measured against (tests/core/elementary_test.cpp measures every error stated below).
+// So the float versions here are written from + - * /, sqrt and powers of two, in OSL exp2 and logb
+// (exact in Blender: tests/blender/test_elementary.py), operation for operation as in
+// osl/elementary.h; every wider type goes to the standard library and
+// is the reference they are measured against (tests/core/elementary_test.cpp measures every error
+// stated below).
 #pragma once
 
 #include <algorithm>
@@ -15,13 +17,13 @@
 
 namespace metallic_paint {
 
-// e^x. float: relative error 3e-7 for |x| <= 87; 0 below -87, e^88 above 88.
+// e^x. float: relative error 3e-7 for |x| <= 87; 0 below -87, e^87 above 87.
 template <class T>
 T exponential(T x) {
   return std::exp(x);
 }
 
-// ln x for x > 0. float: relative error 2.5e-7, also next to x = 1.
+// ln x for x > 0. float: relative error 2.5e-7, also next to x = 1, for normal numbers below 2^127.
 template <class T>
 T logarithm(T x) {
   return std::log(x);
@@ -76,7 +78,7 @@ T mills_ratio(T x) {
 template <>
 inline float exponential(float x) {
   if (x < -87.0f) return 0.0f;
-  x = std::min(x, 88.0f);
+  x = std::min(x, 87.0f);
   // x = k ln 2 + r with ln 2 in two parts, so that r keeps its digits.
   const float k = std::floor(x * 1.44269504f + 0.5f);
   const float r = (x - k * 0.693145752f) - k * 1.42860677e-6f;
@@ -84,92 +86,19 @@ inline float exponential(float x) {
       1.0f + r * (1.0f + r * (0.499999911f +
                               r * (0.166664198f + r * (0.0416682251f + r * (0.00837482233f +
                                                                             r * 0.00138368341f)))));
-  // 2^k by its bits: OSL has neither ldexp nor an exact pow.
-  const int n = static_cast<int>(std::fabs(k));
-  float power = 1.0f;
-  if ((n & 1) != 0) power *= 2.0f;
-  if ((n & 2) != 0) power *= 4.0f;
-  if ((n & 4) != 0) power *= 16.0f;
-  if ((n & 8) != 0) power *= 256.0f;
-  if ((n & 16) != 0) power *= 65536.0f;
-  if ((n & 32) != 0) power *= 4294967296.0f;
-  if ((n & 64) != 0) power *= 18446744073709551616.0f;
-  return k < 0.0f ? e_r / power : e_r * power;
+  return std::ldexp(e_r, static_cast<int>(k));
 }
 
 template <>
 inline float logarithm(float x) {
-  // x = m 2^e with m in [1/sqrt 2, sqrt 2], by halving the range: OSL has no frexp.
-  float m = x;
-  float e = 0.0f;
-  if (m < 1.0f) {
-    if (m < 5.42101086e-20f) {
-      m *= 18446744073709551616.0f;
-      e -= 64.0f;
-    }
-    if (m < 2.32830644e-10f) {
-      m *= 4294967296.0f;
-      e -= 32.0f;
-    }
-    if (m < 1.52587891e-5f) {
-      m *= 65536.0f;
-      e -= 16.0f;
-    }
-    if (m < 0.00390625f) {
-      m *= 256.0f;
-      e -= 8.0f;
-    }
-    if (m < 0.0625f) {
-      m *= 16.0f;
-      e -= 4.0f;
-    }
-    if (m < 0.25f) {
-      m *= 4.0f;
-      e -= 2.0f;
-    }
-    if (m < 0.5f) {
-      m *= 2.0f;
-      e -= 1.0f;
-    }
-    if (m < 0.707106781f) {
-      m *= 2.0f;
-      e -= 1.0f;
-    }
-  } else {
-    if (m >= 18446744073709551616.0f) {
-      m *= 5.42101086e-20f;
-      e += 64.0f;
-    }
-    if (m >= 4294967296.0f) {
-      m *= 2.32830644e-10f;
-      e += 32.0f;
-    }
-    if (m >= 65536.0f) {
-      m *= 1.52587891e-5f;
-      e += 16.0f;
-    }
-    if (m >= 256.0f) {
-      m *= 0.00390625f;
-      e += 8.0f;
-    }
-    if (m >= 16.0f) {
-      m *= 0.0625f;
-      e += 4.0f;
-    }
-    if (m >= 4.0f) {
-      m *= 0.25f;
-      e += 2.0f;
-    }
-    if (m >= 2.0f) {
-      m *= 0.5f;
-      e += 1.0f;
-    }
-    if (m >= 1.41421356f) {
-      m *= 0.5f;
-      e += 1.0f;
-    }
+  // x = m 2^e with m in [1/sqrt 2, sqrt 2].
+  int exponent;
+  float m = 2 * std::frexp(x, &exponent);
+  auto e = static_cast<float>(exponent - 1);
+  if (m >= 1.41421356f) {
+    m *= 0.5f;
+    e += 1.0f;
   }
-  // ln m = 2 artanh s with s = (m - 1)/(m + 1).
   const float s = (m - 1.0f) / (m + 1.0f);
   const float z = s * s;
   const float ln_m = s * (2.0f + z * (0.666668177f + z * (0.399746835f + z * 0.299286366f)));

@@ -26,6 +26,7 @@ struct ExpectedSparkles {
   T fill{1};              // mean flake areas that fill the pixel
   AreaMoments<T> area{};  // moments of min(X, fill)
   Rgb<T> slant{};         // optical depth of the layer, there and back: t H
+  Rgb<T> reflectance{};   // r_p of a flake that sparkles
   Rgb<T> mirror{};        // T of a pixel filled by an undimmed sparkle
   T ceiling{};            // T of a pixel filled by a perfect mirror: nothing exceeds it
   T contrast{1};          // share of the fluctuation that the paint shows
@@ -82,7 +83,8 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside
   // that belongs to `inside` is inside/ratio.
   expected.ceiling = static_cast<T>(way.surface * way.ratio / inside);
-  expected.mirror = coating_reflectance(flakes.coating, cos_alpha) * expected.ceiling;
+  expected.reflectance = coating_reflectance(flakes.coating, cos_alpha);
+  expected.mirror = expected.reflectance * expected.ceiling;
   // What the layer leaves on average of a beam to a random depth is A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
 

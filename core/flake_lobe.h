@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "close_up.h"
 #include "layer.h"
 
 namespace metallic_paint {
@@ -42,11 +43,13 @@ struct MirroredSample {
 //   f cos(theta')/q = D H <S> |v . m|/cos(theta_p) r_p A (1 - r)(1 - r'), <S> over all species.
 // The spread of a flake's own mirror image is left out. That shows where it is not narrow against
 // the tilt: under the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
+// Of a species that is seen close up the flake is the one that the sample sees (`firsts`, one for
+// each species), or none; drawn with the probability of its species' share of the covered area.
 // u and w are uniform deviates in (0, 1). spread is kLobeSpread as in the shader, or 0 for the law
 // itself. Blender has the same mean but not the same bits: OSL's own sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w,
-                               T spread = 0) {
+                               T spread = 0, const FirstFlake<T>* firsts = nullptr) {
   MirroredSample<T> sample{normal};
   const T eta = layer.eta;
   const T cos_view = std::min(dot(normal, view), T(1));
@@ -64,22 +67,30 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     ++i;
   }
   const Flakes<T>& flakes = layer.flakes[i];
-  const T rest = layer.species > 1 ? inside_unit(at / std::max(flakes.coverage, T(1e-30))) : u;
-  const SampledTilt<T> tilt = sample_tilt(flakes.orientation, rest);
-  const T turned = eta * flakes.orientation.tilt;
-  sample.spread = std::min(spread * turned, T(kWidestLobe));
-  const T widened = sample.spread / (4 * turned);
-  const T h = tilt.sin2_half_beta * (1 - widened * widened);
-  const T sin_beta = 2 * std::sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
-  // Any two directions across the normal.
-  Vec3<T> across = std::abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
-  across = across - normal * dot(normal, across);
-  across = across / length(across);
-  const Vec3<T> other{normal.y * across.z - normal.z * across.y,
-                      normal.z * across.x - normal.x * across.z,
-                      normal.x * across.y - normal.y * across.x};
-  const Vec3<T> m = normal * (1 - 2 * h) + across * (sin_beta * std::cos(phi)) +
-                    other * (sin_beta * std::sin(phi));
+  const FirstFlake<T> first = firsts != nullptr ? firsts[i] : FirstFlake<T>{};
+  if (first.close && !first.seen) return sample;
+  Vec3<T> m = first.normal;
+  SampledTilt<T> tilt{};
+  if (first.close) {
+    // The flake's own cone, pi epsilon^2, as it leaves the binder.
+    sample.spread =
+        std::min(eta * std::sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
+  } else {
+    const T rest = layer.species > 1 ? inside_unit(at / std::max(flakes.coverage, T(1e-30))) : u;
+    tilt = sample_tilt(flakes.orientation, rest);
+    const T turned = eta * flakes.orientation.tilt;
+    sample.spread = std::min(spread * turned, T(kWidestLobe));
+    const T widened = sample.spread / (4 * turned);
+    const T h = tilt.sin2_half_beta * (1 - widened * widened);
+    const T sin_beta = 2 * std::sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
+    // Any two directions across the normal.
+    Vec3<T> across = std::abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
+    across = across - normal * dot(normal, across);
+    across = across / length(across);
+    const Vec3<T> other = cross(normal, across);
+    m = normal * (1 - 2 * h) + across * (sin_beta * std::cos(phi)) +
+        other * (sin_beta * std::sin(phi));
+  }
 
   const T facing = dot(m, v);
   const Vec3<T> l = m * (2 * facing) - v;
@@ -97,10 +108,17 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   const Rgb<T> slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
   const T exit = layer.radiometry == Radiometry::published ? cos_view : cos_view_in;
   // 1 - r goes to zero with the cosine of the exit, A with its inverse: neither overflows.
-  const T scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
-                  fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
-  sample.weight = coating_reflectance(flakes.coating, cos_alpha) *
-                  map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) * scale;
+  const T through = fresnel_transmittance(cos_view, g_view, eta) / exit *
+                    fresnel_transmittance(cos_light, g_light, eta);
+  const Rgb<T> reflectance = coating_reflectance(flakes.coating, cos_alpha);
+  if (first.close) {
+    sample.weight = shown_by(first, reflectance, slant) *
+                    (through * cos_view_in * (layer.coverage / flakes.coverage));
+  } else {
+    sample.weight = reflectance *
+                    map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) *
+                    (through * tilt.weight * cos_alpha);
+  }
   return sample;
 }
 

@@ -107,11 +107,16 @@ OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
 // P(beta) from sin^2(beta/2) in [0, 1/2], which keeps its digits where beta is small. In a type T
 // wider than the density's own D, rounding in the exponent stays behind.
 template <class T, class D>
-T orientation_density(const OrientationDensity<D>& density, T sin2_half_beta) {
+T gaussian_density(const OrientationDensity<D>& density, T sin2_half_beta) {
   const T square = T(density.tilt) * T(density.tilt);
-  if (density.kind == Orientation::gaussian) {
-    return exponential(T(-0.5) * (squared_angle(sin2_half_beta) / square)) / density.norm;
-  }
+  return exponential(T(-0.5) * (squared_angle(sin2_half_beta) / square)) / density.norm;
+}
+
+// Of any shape.
+template <class T, class D>
+T orientation_density(const OrientationDensity<D>& density, T sin2_half_beta) {
+  if (density.kind == Orientation::gaussian) return gaussian_density(density, sin2_half_beta);
+  const T square = T(density.tilt) * T(density.tilt);
   const T cos_beta = 1 - 2 * sin2_half_beta;
   const T sin2 = 4 * sin2_half_beta * (1 - sin2_half_beta);
   if (density.kind == Orientation::beckmann) {
@@ -208,23 +213,36 @@ struct SampledTilt {
 template <class T>
 SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
   const T square = density.tilt * density.tilt;
-  if (density.kind == Orientation::beckmann) {
-    const T tan2 = -square * logarithm(u);
-    const T cos_beta = 1 / std::sqrt(1 + tan2);
-    // 1 - cos = sin^2/(1 + cos)
-    return {T(0.5) * tan2 * cos_beta * cos_beta / (1 + cos_beta), density.mean_cos / cos_beta};
-  }
+  const bool is_gaussian = density.kind == Orientation::gaussian;
   if (density.kind == Orientation::ggx) {
     const T w = (1 - density.tilt) * (1 + density.tilt);
     const T x = u * square / (1 - u * w);
     const T ratio = (square + w * x) / (square + w * x * (2 - x));
     return {x / 2, ratio * ratio / (density.norm * square)};
   }
-  if (density.tilt > T(0.5)) return {u / 2, orientation_density(density, u / 2)};
-  const T beta = density.tilt * std::sqrt(-2 * logarithm(1 - u * density.below));
+  if (is_gaussian && density.tilt > T(0.5)) return {u / 2, gaussian_density(density, u / 2)};
+  const T passed = -logarithm(is_gaussian ? 1 - u * density.below : u);
+  if (density.kind == Orientation::beckmann) {
+    const T tan2 = square * passed;
+    const T cos_beta = 1 / std::sqrt(1 + tan2);
+    // 1 - cos = sin^2/(1 + cos)
+    return {T(0.5) * tan2 * cos_beta * cos_beta / (1 + cos_beta), density.mean_cos / cos_beta};
+  }
+  const T beta = density.tilt * std::sqrt(2 * passed);
   const T half = sine(beta / 2);
   const T sinc = beta > 0 ? sine(beta) / beta : T(1);
   return {half * half, sinc * square * density.below / density.norm};
+}
+
+// The largest of these weights: that of a level flake, where the drawn tilts are too rare; of
+// Beckmann's that at the tilt of which e^-16 of the flakes lie beyond.
+template <class T>
+T most_tilt_weight(const OrientationDensity<T>& density) {
+  const T square = density.tilt * density.tilt;
+  if (density.kind == Orientation::beckmann) return density.mean_cos * std::sqrt(1 + 16 * square);
+  if (density.kind == Orientation::ggx) return 1 / (density.norm * square);
+  if (density.tilt > T(0.5)) return 1 / density.norm;
+  return square * density.below / density.norm;
 }
 
 // Gaussian only: the mean area that flakes tilted beyond 90 degrees from the direction show with

@@ -60,4 +60,10 @@ T uniform_23(std::uint32_t word) {
   return (static_cast<T>(word >> 9) + T(0.5)) * (T(1) / 8388608);
 }
 
+// Likewise from the lower half of a word: (multiples of 2^-16) + 2^-17.
+template <class T>
+T uniform_16(std::uint32_t word) {
+  return (static_cast<T>(word & 65535u) + T(0.5)) * (T(1) / 65536);
+}
+
 }  // namespace metallic_paint

@@ -36,6 +36,7 @@
 #include <array>
 
 #include "anchor.h"
+#include "close_up.h"
 #include "draw.h"
 #include "expected_sparkles.h"
 #include "layer.h"
@@ -45,8 +46,8 @@
 
 namespace metallic_paint {
 
-// All species of a layer under one light in one pixel. Their sparkles are independent; together
-// too they do not outshine the light in a mirror.
+// All species of a layer under one light in one pixel; those seen close up show the flake there is.
+// Their sparkles are independent; together too they do not outshine the light in a mirror.
 template <class T>
 struct PixelSparkles {
   std::array<ExpectedSparkles<T>, kSpecies> expected{};
@@ -55,7 +56,8 @@ struct PixelSparkles {
 };
 
 template <class T>
-PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point, const Passage<T>& way,
+PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
+                         const std::array<FirstFlake<T>, kSpecies>& firsts, const Passage<T>& way,
                          int light, int frame, int seed) {
   PixelSparkles<T> all;
   T ceiling = 0;
@@ -65,7 +67,8 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point, co
     T area = point.footprint;
     HashWords key = stream_key(light, i, frame, seed);
     int x = point.pixel_x, y = point.pixel_y;
-    if (layer.anchor == Anchor::surface && way.open) {
+    const FirstFlake<T>& first = firsts[at];
+    if (layer.anchor == Anchor::surface && way.open && !first.close) {
       const Cell<T> cell = find_cell(point, layer.cell_share, flakes.flake_area * flakes.area.mean,
                                      own_stream(layer, point.own, i, frame, seed));
       const Wide<T> cone = quarter_cone(cone_in_binder(flakes, way), way);
@@ -75,12 +78,22 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point, co
       x = y = 0;
     }
     const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
-    const Sparkles<T> drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
+    Sparkles<T> drawn;
+    const T left = layer.sparkle_contrast;
+    if (first.close && left > 0) {
+      drawn.radiance = flake_radiance(layer, flakes, first, expected, way);
+      drawn.count = max_component(drawn.radiance) > 0 ? T(1) : T(0);
+      if (left < 1) drawn.radiance = drawn.radiance * left + mean_radiance(expected) * (1 - left);
+    } else {
+      drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
+    }
     all.expected[at] = expected;
     all.count[at] = drawn.count;
     all.radiance = all.radiance + drawn.radiance;
     all.mean_radiance = all.mean_radiance + mean_radiance(expected);
-    all.variance = all.variance + radiance_variance(expected);
+    all.variance =
+        all.variance + (first.close ? flake_radiance_variance(layer, first, expected, way)
+                                    : radiance_variance(expected));
     ceiling = std::max(ceiling, expected.ceiling);
   }
   all.radiance = map(all.radiance, [&](T t) { return std::min(t, ceiling); });

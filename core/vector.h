@@ -55,6 +55,11 @@ T length(Vec3<T> a) {
   return std::sqrt(dot(a, a));
 }
 
+template <class T>
+Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
 // f of each component: colours go channel by channel.
 template <class T, class F>
 Vec3<T> map(Vec3<T> a, F f) {

@@ -21,6 +21,13 @@ vector own_direction(OwnSpace own, vector d)
   return vector(inner_product(own.x, d), inner_product(own.y, d), inner_product(own.z, d));
 }
 
+int nearest_axis(vector d)
+{
+  if (fabs(d[2]) > max(fabs(d[0]), fabs(d[1])))
+    return 2;
+  return fabs(d[1]) > fabs(d[0]) ? 1 : 0;
+}
+
 HashWords own_stream(Layer layer, OwnSpace own, int kind, int frame, int seed)
 {
   int instance = 0;
@@ -75,11 +82,7 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float cosine = inner_product(surface.n, surface.view);
   vector t = own_direction(own, surface.view - surface.n * cosine);
 
-  int axis = 0;
-  if (fabs(n[1]) > fabs(n[0]))
-    axis = 1;
-  if (fabs(n[2]) > max(fabs(n[0]), fabs(n[1])))
-    axis = 2;
+  int axis = nearest_axis(n);
   int next = (axis + 1) % 3;
   int last = (axis + 2) % 3;
   float n_u = n[next];

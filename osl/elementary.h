@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Elementary functions from + - * / and sqrt, operation for operation the float versions of core/elementary.h,
-// where their errors stand: Blender's own exp, expm1 and acos are approximate.
+// Elementary functions from + - * /, sqrt, exp2 of whole numbers and logb, operation for operation the float versions
+// of core/elementary.h, where their errors stand: Blender's own exp, expm1 and acos are approximate.
 #pragma once
 
 // OSL's own dot() rounds once less where Blender was built with fused multiply-add.
@@ -14,48 +14,21 @@ float exponential(float x)
 {
   if (x < -87.0)
     return 0.0;
-  float y = min(x, 88.0);
+  float y = min(x, 87.0);
   float k = floor(y * 1.44269504 + 0.5);
   float r = (y - k * 0.693145752) - k * 1.42860677e-6;
   float e_r = 1.0 + r * (1.0 + r * (0.499999911 + r * (0.166664198 + r * (0.0416682251 +
               r * (0.00837482233 + r * 0.00138368341)))));
-  int n = (int)fabs(k);
-  float power = 1.0;
-  if (n & 1) power *= 2.0;
-  if (n & 2) power *= 4.0;
-  if (n & 4) power *= 16.0;
-  if (n & 8) power *= 256.0;
-  if (n & 16) power *= 65536.0;
-  if (n & 32) power *= 4294967296.0;
-  if (n & 64) power *= 18446744073709551616.0;
-  if (k < 0.0)
-    return e_r / power;
-  return e_r * power;
+  return e_r * exp2(k);
 }
 
 float logarithm(float x)
 {
-  float m = x;
-  float e = 0.0;
-  if (m < 1.0) {
-    if (m < 5.42101086e-20) { m *= 18446744073709551616.0; e -= 64.0; }
-    if (m < 2.32830644e-10) { m *= 4294967296.0; e -= 32.0; }
-    if (m < 1.52587891e-5) { m *= 65536.0; e -= 16.0; }
-    if (m < 0.00390625) { m *= 256.0; e -= 8.0; }
-    if (m < 0.0625) { m *= 16.0; e -= 4.0; }
-    if (m < 0.25) { m *= 4.0; e -= 2.0; }
-    if (m < 0.5) { m *= 2.0; e -= 1.0; }
-    if (m < 0.707106781) { m *= 2.0; e -= 1.0; }
-  }
-  else {
-    if (m >= 18446744073709551616.0) { m *= 5.42101086e-20; e += 64.0; }
-    if (m >= 4294967296.0) { m *= 2.32830644e-10; e += 32.0; }
-    if (m >= 65536.0) { m *= 1.52587891e-5; e += 16.0; }
-    if (m >= 256.0) { m *= 0.00390625; e += 8.0; }
-    if (m >= 16.0) { m *= 0.0625; e += 4.0; }
-    if (m >= 4.0) { m *= 0.25; e += 2.0; }
-    if (m >= 2.0) { m *= 0.5; e += 1.0; }
-    if (m >= 1.41421356) { m *= 0.5; e += 1.0; }
+  float e = logb(x);
+  float m = x * exp2(-e);
+  if (m >= 1.41421356) {
+    m *= 0.5;
+    e += 1.0;
   }
   float s = (m - 1.0) / (m + 1.0);
   float z = s * s;

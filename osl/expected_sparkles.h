@@ -19,6 +19,7 @@ struct ExpectedSparkles {
   float fill;
   AreaMoments area;
   color slant;
+  color reflectance;
   color mirror;
   float ceiling;
   float contrast;
@@ -40,6 +41,7 @@ ExpectedSparkles nothing_expected(Flakes flakes)
   expected.fill = 1.0;
   expected.area = flakes.area;
   expected.slant = color(0.0);
+  expected.reflectance = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
   expected.contrast = 1.0;
@@ -68,7 +70,8 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   expected.slots = 0;
 
   expected.ceiling = way.surface_transmittance * way.ratio / inside;
-  expected.mirror = coating_reflectance(flakes.coating, library, cos_alpha) * expected.ceiling;
+  expected.reflectance = coating_reflectance(flakes.coating, library, cos_alpha);
+  expected.mirror = expected.reflectance * expected.ceiling;
   expected.slant = way.slant;
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);

@@ -4,6 +4,7 @@
 // See core/flake_lobe.h for the weight and the cone.
 #pragma once
 
+#include "close_up.h"
 #include "passage.h"
 
 #define LOBE_SPREAD 0.33
@@ -21,7 +22,7 @@ float inside_unit(float x)
 }
 
 MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
-                            float uniform_tilt, float uniform_azimuth)
+                            FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth)
 {
   MirroredSample mirrored;
   mirrored.direction = surface.n;
@@ -51,20 +52,31 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
   }
   Flakes some = flakes[kind];
-  SampledTilt tilt = sample_tilt(some.orientation, rest);
-  float turned = eta * some.orientation.tilt;
-  mirrored.spread = min(LOBE_SPREAD * turned, WIDEST_LOBE);
-  float widened = mirrored.spread / (4.0 * turned);
-  float h = tilt.sin2_half_beta * (1.0 - widened * widened);
-  float sin_beta = 2.0 * sqrt(h * (1.0 - h));
-  float phi = M_2PI * uniform_azimuth;
-  vector across = vector(0.0, 1.0, 0.0);
-  if (fabs(n[0]) < 0.6)
-    across = vector(1.0, 0.0, 0.0);
-  across = across - n * inner_product(n, across);
-  across = across / sqrt(inner_product(across, across));
-  vector other = cross(n, across);
-  vector m = n * (1.0 - 2.0 * h) + across * (sin_beta * cos(phi)) + other * (sin_beta * sin(phi));
+  FirstFlake first = firsts[kind];
+  if (first.close && !first.seen)
+    return mirrored;
+  vector m = first.m;
+  float tilt_weight = 1.0;
+  if (first.close) {
+    mirrored.spread = min(eta * sqrt(some.solid_angle / M_PI), WIDEST_LOBE);
+  }
+  else {
+    SampledTilt tilt = sample_tilt(some.orientation, rest);
+    tilt_weight = tilt.weight;
+    float turned = eta * some.orientation.tilt;
+    mirrored.spread = min(LOBE_SPREAD * turned, WIDEST_LOBE);
+    float widened = mirrored.spread / (4.0 * turned);
+    float h = tilt.sin2_half_beta * (1.0 - widened * widened);
+    float sin_beta = 2.0 * sqrt(h * (1.0 - h));
+    float phi = M_2PI * uniform_azimuth;
+    vector across = vector(0.0, 1.0, 0.0);
+    if (fabs(n[0]) < 0.6)
+      across = vector(1.0, 0.0, 0.0);
+    across = across - n * inner_product(n, across);
+    across = across / sqrt(inner_product(across, across));
+    vector other = cross(n, across);
+    m = n * (1.0 - 2.0 * h) + across * (sin_beta * cos(phi)) + other * (sin_beta * sin(phi));
+  }
 
   float facing = inner_product(m, inside);
   vector l = m * (2.0 * facing) - inside;
@@ -87,9 +99,12 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     exit = cos_view;
-  float scale = fresnel_transmittance(cos_view, g_view, eta) / exit *
-                fresnel_transmittance(cos_light, g_light, eta) * tilt.weight * cos_alpha;
-  mirrored.weight = coating_reflectance(some.coating, library, cos_alpha) *
-                    (layer.coverage * mean_transmittance(slant)) * scale;
+  float through = fresnel_transmittance(cos_view, g_view, eta) / exit *
+                  fresnel_transmittance(cos_light, g_light, eta);
+  color reflectance = coating_reflectance(some.coating, library, cos_alpha);
+  if (first.close)
+    mirrored.weight = shown_by(first, reflectance, slant) * (through * cos_view_in * (layer.coverage / some.coverage));
+  else
+    mirrored.weight = reflectance * (layer.coverage * mean_transmittance(slant)) * (through * tilt_weight * cos_alpha);
   return mirrored;
 }

@@ -74,11 +74,17 @@ OrientationDensity make_orientation(int kind, float tilt)
   return density;
 }
 
-float orientation_density(OrientationDensity density, float sin2_half_beta)
+float gaussian_density(OrientationDensity density, float sin2_half_beta)
 {
   float square = density.tilt * density.tilt;
+  return exponential(-0.5 * (squared_angle(sin2_half_beta) / square)) / density.norm;
+}
+
+float orientation_density(OrientationDensity density, float sin2_half_beta)
+{
   if (density.kind == ORIENTATION_GAUSSIAN)
-    return exponential(-0.5 * (squared_angle(sin2_half_beta) / square)) / density.norm;
+    return gaussian_density(density, sin2_half_beta);
+  float square = density.tilt * density.tilt;
   float cos_beta = 1.0 - 2.0 * sin2_half_beta;
   float sin2 = 4.0 * sin2_half_beta * (1.0 - sin2_half_beta);
   if (density.kind == ORIENTATION_BECKMANN) {
@@ -159,33 +165,50 @@ SampledTilt sample_tilt(OrientationDensity density, float deviate)
 {
   SampledTilt sampled;
   float square = density.tilt * density.tilt;
-  if (density.kind == ORIENTATION_BECKMANN) {
-    float tan2 = -square * logarithm(deviate);
-    float cos_beta = 1.0 / sqrt(1.0 + tan2);
-    sampled.sin2_half_beta = 0.5 * tan2 * cos_beta * cos_beta / (1.0 + cos_beta);
-    sampled.weight = density.mean_cos / cos_beta;
-  }
-  else if (density.kind == ORIENTATION_GGX) {
+  if (density.kind == ORIENTATION_GGX) {
     float w = (1.0 - density.tilt) * (1.0 + density.tilt);
     float x = deviate * square / (1.0 - deviate * w);
     float ratio = (square + w * x) / (square + w * x * (2.0 - x));
     sampled.sin2_half_beta = x / 2.0;
     sampled.weight = ratio * ratio / (density.norm * square);
+    return sampled;
   }
-  else if (density.tilt > 0.5) {
+  if (density.kind == ORIENTATION_GAUSSIAN && density.tilt > 0.5) {
     sampled.sin2_half_beta = deviate / 2.0;
-    sampled.weight = orientation_density(density, deviate / 2.0);
+    sampled.weight = gaussian_density(density, deviate / 2.0);
+    return sampled;
   }
-  else {
-    float beta = density.tilt * sqrt(-2.0 * logarithm(1.0 - deviate * density.below));
-    float half = sine(beta / 2.0);
-    float sinc = 1.0;
-    if (beta > 0.0)
-      sinc = sine(beta) / beta;
-    sampled.sin2_half_beta = half * half;
-    sampled.weight = sinc * square * density.below / density.norm;
+  float beyond = deviate;
+  if (density.kind == ORIENTATION_GAUSSIAN)
+    beyond = 1.0 - deviate * density.below;
+  float passed = -logarithm(beyond);
+  if (density.kind == ORIENTATION_BECKMANN) {
+    float tan2 = square * passed;
+    float cos_beta = 1.0 / sqrt(1.0 + tan2);
+    sampled.sin2_half_beta = 0.5 * tan2 * cos_beta * cos_beta / (1.0 + cos_beta);
+    sampled.weight = density.mean_cos / cos_beta;
+    return sampled;
   }
+  float beta = density.tilt * sqrt(2.0 * passed);
+  float half = sine(beta / 2.0);
+  float sinc = 1.0;
+  if (beta > 0.0)
+    sinc = sine(beta) / beta;
+  sampled.sin2_half_beta = half * half;
+  sampled.weight = sinc * square * density.below / density.norm;
   return sampled;
+}
+
+float most_tilt_weight(OrientationDensity density)
+{
+  float square = density.tilt * density.tilt;
+  if (density.kind == ORIENTATION_BECKMANN)
+    return density.mean_cos * sqrt(1.0 + 16.0 * square);
+  if (density.kind == ORIENTATION_GGX)
+    return 1.0 / (density.norm * square);
+  if (density.tilt > 0.5)
+    return 1.0 / density.norm;
+  return square * density.below / density.norm;
 }
 
 float gaussian_back_area(OrientationDensity density, float cos_theta)

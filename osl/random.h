@@ -53,3 +53,8 @@ float uniform_23(int word)
 {
   return ((float)((word >> 9) & 8388607) + 0.5) * 1.19209290e-7;
 }
+
+float uniform_16(int word)
+{
+  return ((float)(word & 65535) + 0.5) * 1.52587891e-5;
+}

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "anchor.h"
+#include "close_up.h"
 #include "draw.h"
 #include "expected_sparkles.h"
 #include "layer.h"
@@ -19,8 +20,8 @@ struct PixelSparkles {
 };
 
 // `blurred`, or without contrast: the mean, and nothing is drawn. mean_radiance is found where it is asked for.
-PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, Passage way,
-                      int light, int frame, int seed, int blurred, int asked_mean, int shown)
+PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
+                      FirstFlake firsts[SPECIES], Passage way, int light, int frame, int seed, int blurred, int asked_mean, int shown)
 {
   PixelSparkles all;
   all.count = 0.0;
@@ -35,7 +36,8 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
     HashWords key = stream_key(light, i, frame, seed);
     int x = surface.pixel_x;
     int y = surface.pixel_y;
-    if (layer.anchor == ANCHOR_SURFACE && way.open) {
+    FirstFlake first = firsts[i];
+    if (layer.anchor == ANCHOR_SURFACE && way.open && !first.close) {
       Cell cell = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
                             own_stream(layer, surface.own, i, frame, seed));
       float cone = quarter_cone(cone_in_binder(some, way), way);
@@ -46,12 +48,19 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
     }
     ExpectedSparkles expected = expect_sparkles(layer, some, library, area, way);
     color mean = color(0.0);
-    if (only_mean || asked_mean)
+    if (only_mean || asked_mean || (first.close && layer.sparkle_contrast < 1.0))
       mean = mean_radiance(expected);
     Sparkles drawn;
     drawn.count = floor(expected.mean_count + 0.5);
     drawn.radiance = min(mean, color(expected.ceiling));
-    if (!only_mean)
+    if (!only_mean && first.close) {
+      drawn.radiance = flake_radiance(layer, some, first, expected, way);
+      drawn.count = max(max(drawn.radiance[0], drawn.radiance[1]), drawn.radiance[2]) > 0.0 ? 1.0 : 0.0;
+      float left = layer.sparkle_contrast;
+      if (left < 1.0)
+        drawn.radiance = drawn.radiance * left + mean * (1.0 - left);
+    }
+    else if (!only_mean)
       drawn = draw_sparkles(expected, some.area_spread, key, x, y);
     if (i == shown) {
       all.count = drawn.count;

@@ -104,7 +104,7 @@ TEST(Anchor, CountsOfCellsFollowTheirLaw) {
     std::vector<double> found(kBins), expected(kBins, kPoints / static_cast<double>(kBins));
     for (int k = 0; k < kPoints; ++k) {
       point.own.position = plane.a * random.uniform(-1, 1) + plane.b * random.uniform(-1, 1);
-      const auto all = sparkle(layer, point, way, 0, 0, 0);
+      const auto all = sparkle(layer, point, {}, way, 0, 0, 0);
       const auto& cell = all.expected[0];
       binomial += cell.slots > 0;
       ASSERT_GT(cell.mean_count, 0);
@@ -148,7 +148,7 @@ TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
     point.own.position = where;
     SeenLight<double> seen = light;
     change(point, seen);
-    const auto all = sparkle(layer, point, pass_between(layer, point, seen), 0, 0, 0);
+    const auto all = sparkle(layer, point, {}, pass_between(layer, point, seen), 0, 0, 0);
     const double mean = all.expected[species].mean_count;
     return (all.count[species] - mean) / std::sqrt(mean);
   };
@@ -356,7 +356,7 @@ TEST(Anchor, AUniformPlaneShowsNoLattice) {
         for (int k = 0; k < kSamples; ++k) {
           point.own.position = plane.b * ((x + random.uniform()) * width) +
                                plane.a * ((y + random.uniform()) * width / 0.9);
-          sum += sparkle(layer, point, way, 0, 0, i).radiance.y;
+          sum += sparkle(layer, point, {}, way, 0, 0, i).radiance.y;
         }
         picture[static_cast<std::size_t>(y * kSize + x)] = sum;
         mean += sum / (kSize * kSize);

@@ -63,9 +63,9 @@ TEST(Elementary, ExponentialAtTheEndsOfItsRange) {
   EXPECT_EQ(exponential(-std::numeric_limits<float>::infinity()), 0.0f);
   EXPECT_EQ(exponential(-87.5f), 0.0f);
   EXPECT_GE(exponential(-87.0f), std::numeric_limits<float>::min()) << "denormal";
-  EXPECT_LE(relative_error(exponential(88.0f), std::exp(88.0)), 3e-7);
-  EXPECT_EQ(exponential(1000.0f), exponential(88.0f));
-  EXPECT_EQ(exponential(std::numeric_limits<float>::infinity()), exponential(88.0f));
+  EXPECT_LE(relative_error(exponential(87.0f), std::exp(87.0)), 3e-7);
+  EXPECT_EQ(exponential(1000.0f), exponential(87.0f));
+  EXPECT_EQ(exponential(std::numeric_limits<float>::infinity()), exponential(87.0f));
   EXPECT_EQ(exponential(1e-30f), 1.0f);
 }
 

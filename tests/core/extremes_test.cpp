@@ -60,7 +60,8 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
   const auto drawn =
       draw_sparkles(expected, layer.flakes[0].area_spread, stream_key(1, 0, 2, 3), 5, 7);
-  const auto all = sparkle(layer, point, pass_between(layer, point, scene.seen<T>()), 0, 1, 2);
+  const auto all = sparkle(layer, point, look_close(layer, point, 1, 2),
+                           pass_between(layer, point, scene.seen<T>()), 0, 1, 2);
   const Mixture<T> scattered = mixture(layer, Rgb<T>{T(0.9), T(0.5), T(0.02)},
                                        std::max(dot(point.normal, point.view), T(0)));
   const T shine = highlight(point.normal, point.view, Vec3<T>(scene.light),

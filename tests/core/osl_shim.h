@@ -50,6 +50,8 @@ inline float fabs(float x) { return std::fabs(x); }
 inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float asin(float x) { return std::asin(x); }
+inline float exp2(float x) { return std::exp2(x); }
+inline float logb(float x) { return std::logb(x); }
 inline float ceil(float x) { return std::ceil(x); }
 inline int getattribute(const char*, float&) { return 0; }
 inline int isfinite(float x) { return std::isfinite(x); }
@@ -99,6 +101,7 @@ inline float reflection(Triple) { return 1; }
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wshadow"
 #include "osl/anchor.h"
+#include "osl/close_up.h"
 #include "osl/composition.h"
 #include "osl/cones.h"
 #include "osl/flake_lobe.h"

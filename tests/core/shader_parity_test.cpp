@@ -250,7 +250,8 @@ ParityScene random_scene(Random& random) {
 
 // How often the scenes came to what is rare.
 struct Visits {
-  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, grazed = 0;
+  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, grazed = 0,
+       close = 0, covered = 0, lit = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -301,6 +302,23 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     ++lights;
   }
   osl::group_lights(seen, leader, lights);
+
+  // The flakes that are seen themselves.
+  const auto firsts = look_close(layer, point, paint.frame, paint.seed);
+  std::array<osl::FirstFlake, kSpecies> shader_firsts;
+  shader_firsts.fill(osl::no_flake());
+  osl::look_close(shader_layer, shader_flakes, surface, paint.frame, paint.seed, shader_firsts);
+  for (std::size_t i = 0; i < kSpecies; ++i) {
+    const osl::FirstFlake& first = shader_firsts[i];
+    same("close", first.close, firsts[i].close);
+    same("seen", first.seen, firsts[i].seen);
+    same("flake's normal", first.m, firsts[i].normal);
+    same("flake's facing", first.facing, firsts[i].facing);
+    same("flake's depth", first.depth, firsts[i].depth);
+    same("flake's hiding", first.hiding, firsts[i].hiding);
+    visits.close += first.close;
+    visits.covered += first.seen;
+  }
   for (int i = 0; i < lights; ++i) {
     const auto at = static_cast<std::size_t>(i);
     same("leader", slot[static_cast<std::size_t>(leader[at])],
@@ -326,7 +344,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       same("passage's slant", shader_way.slant, way.slant);
       same("flake_normal", shader_way.mirror.flake_normal, way.mirror.flake_normal);
     }
-    const auto core_all = sparkle(layer, point, way, slot[at], paint.frame, paint.seed);
+    const auto core_all = sparkle(layer, point, firsts, way, slot[at], paint.frame, paint.seed);
     for (int species = 0; species < layer.species; ++species) {
       const auto of = static_cast<std::size_t>(species);
       if (paint.anchor == Anchor::pixel) {
@@ -335,14 +353,15 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
                                      shader_way),
                 core_all.expected[of]);
       }
-      const auto all = osl::sparkle(shader_layer, shader_flakes, library, surface, shader_way,
-                                    slot[at], paint.frame, paint.seed, 0, 1, species);
+      const auto all = osl::sparkle(shader_layer, shader_flakes, library, surface, shader_firsts,
+                                    shader_way, slot[at], paint.frame, paint.seed, 0, 1, species);
       same("count", all.count, core_all.count[of]);
       visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
       visits.summed += all.count > kDrawnSparkles;
       const float left = fluctuation_left(core_all.expected[of]);
       visits.faded += left > 0 && left < 1;
       visits.crowded += core_all.expected[of].slots > 0;
+      visits.lit += firsts[of].close && all.count > 0;
       same("mean_count of sparkle", all.mean_count, core_all.expected[of].mean_count);
       same("radiance", all.radiance, core_all.radiance);
       same("mean_radiance", all.mean_radiance, core_all.mean_radiance);
@@ -419,10 +438,11 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const HashWords words =
       draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
   const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
-  const auto shader_sample =
-      osl::sample_flake(shader_layer, shader_flakes, library, surface, osl::inside_unit(u), w);
-  const MirroredSample<float> sample = sample_flake(layer, point.normal, point.view, inside_unit(u),
-                                                    w, static_cast<float>(kLobeSpread));
+  const auto shader_sample = osl::sample_flake(shader_layer, shader_flakes, library, surface,
+                                               shader_firsts, osl::inside_unit(u), w);
+  const MirroredSample<float> sample =
+      sample_flake(layer, point.normal, point.view, inside_unit(u), w,
+                   static_cast<float>(kLobeSpread), firsts.data());
   same("sample's weight", shader_sample.weight, sample.weight);
   same("sample's spread", shader_sample.spread, sample.spread);
   if (max_component(sample.weight) > 0) {
@@ -452,8 +472,9 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   }
   RecordProperty("values", std::to_string(values));
   // No branch is left out because the scenes never go there.
-  for (const long visited : {visits.led, visits.one_by_one, visits.summed, visits.faded,
-                             visits.crowded, visits.sampled, visits.grazed}) {
+  for (const long visited :
+       {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
+        visits.grazed, visits.close, visits.covered, visits.lit}) {
     EXPECT_GT(visited, scenes / 100) << "seed " << seed;
   }
 }

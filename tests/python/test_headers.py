@@ -18,6 +18,7 @@ ONLY_SHADER = {
     "sparkle_cone": "a closure",
     "mirrored_cone": "a closure",
     "nothing_expected": "C++ has default values",
+    "no_flake": "C++ has default values",
     "no_flakes": "C++ has default values",
     "no_mixture": "C++ has default values",
     "mixture_rule": "C++ has constant arrays",
@@ -32,6 +33,7 @@ ONLY_SHADER = {
 ONLY_CORE = {
     "luminance": "luminance_of()",
     "radiance_variance": "of a draw, for those who judge it",
+    "flake_radiance_variance": "likewise",
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
