@@ -19,11 +19,11 @@ from pictures import render_scene  # noqa: E402
 from pictures.render_scene import say  # noqa: E402
 
 from motion.rows import FILMED, MATERIALS  # noqa: E402
-from motion.scenes import PIXEL, RIGHT, TOWARDS_CAMERA, TOWARDS_SUN, UP, Stage  # noqa: E402
+from motion.scenes import BEHIND_CAMERA, PIXEL, RIGHT, TOWARDS_CAMERA, UP, Stage  # noqa: E402
 
 SIZE, FRAMES = 144, 24
 QUICK_SIZE, QUICK_FRAMES = 48, 6
-SAMPLES = 16
+SAMPLES = 12
 BALL = 0.02  # radius, m
 SKY = 0.3  # radiance from everywhere
 WHITE = 5.0  # radiance that the film shows as white; sparkles are brighter
@@ -33,38 +33,42 @@ Place = Callable[[int], None]  # sets a frame
 
 def turntable(stage: Stage, frames: int) -> Place:
     """A ball turns by a quarter of a degree in a frame: a flake flashes for some frames."""
-    _show_ball(stage)
+    _show_ball(stage, 1.3 * BALL)
+    still = stage.thing.matrix_world.copy()
 
     def place(frame: int) -> None:
-        stage.thing.matrix_world = Matrix.Rotation(math.radians(0.25) * frame, 4, UP)
+        turned = Matrix.Rotation(math.radians(0.25) * frame, 4, UP)
+        stage.thing.matrix_world = turned @ still
 
     return place
 
 
 def sun(stage: Stage, frames: int) -> Place:
-    _show_ball(stage)
-    across = TOWARDS_SUN.orthogonal()
+    """It moves by half a degree in a frame."""
+    _show_ball(stage, 1.3 * BALL)
 
     def place(frame: int) -> None:
-        stage.turn_sun(Matrix.Rotation(math.radians(0.4) * frame, 3, across) @ TOWARDS_SUN)
+        stage.turn_sun(Matrix.Rotation(math.radians(0.5) * frame, 3, UP) @ BEHIND_CAMERA)
 
     return place
 
 
-def _show_ball(stage: Stage) -> None:
-    stage.add_ball(BALL, Vector())
-    stage.camera.data.ortho_scale = 2.1 * BALL
-
-
 def pan(stage: Stage, frames: int) -> Place:
-    """Along the ball from nearer, two pixels in a frame."""
-    stage.add_ball(BALL, Vector((0, 0, -BALL)))
+    """The camera slides by two pixels in a frame, nearer to the ball."""
+    _show_ball(stage, stage.size * PIXEL)
     middle = stage.camera.location.copy()
 
     def place(frame: int) -> None:
         stage.camera.location = middle - (2 * frame - frames) * PIXEL * RIGHT
 
     return place
+
+
+def _show_ball(stage: Stage, width: float) -> None:
+    """The middle of a ball, in a picture so many metres wide."""
+    stage.add_ball(BALL, Vector())
+    stage.turn_sun(BEHIND_CAMERA)
+    stage.camera.data.ortho_scale = width
 
 
 def dolly(stage: Stage, frames: int) -> Place:

@@ -24,6 +24,7 @@ from pictures.render_scene import say  # noqa: E402
 from motion import layer  # noqa: E402
 from motion.rows import MATERIALS, MEASURED, Row  # noqa: E402
 from motion.scenes import (  # noqa: E402
+    BEHIND_CAMERA,
     MEAN,
     PAINT,
     PIXEL,
@@ -52,7 +53,7 @@ class Effort:
     mean_error: float  # standard error that a mean of the dolly may have
 
 
-FULL = Effort(size=128, frames=8, distances=2, mean_error=0.0025)
+FULL = Effort(size=112, frames=6, distances=2, mean_error=0.0025)
 QUICK = Effort(size=48, frames=4, distances=1, mean_error=0.02)
 
 
@@ -75,7 +76,6 @@ def pan(effort: Effort) -> Iterator[Row]:
     for other, limit in (("pixel", 0.1), ("Voronoi", 1)):
         times = {"surface": flicker["surface"] / flicker[other]}
         yield Row(f"flicker over that of {other}", times, limit, "at most")
-    stage.put_on("surface")
     place(0)
     shots = []
     for frame in (1, 25):
@@ -91,8 +91,7 @@ RADIUS = 1000  # pixels: so large that the whole picture moves alike, within 0.2
 def turntable(effort: Effort) -> Iterator[Row]:
     """A ball turns; the picture is the middle of it, the sun behind the camera."""
     stage = Stage(effort.size)
-    towards_sun = (TOWARDS_CAMERA + 0.3 * UP).normalized()
-    stage.turn_sun(towards_sun)
+    stage.turn_sun(BEHIND_CAMERA)
     radius, step = RADIUS * PIXEL, SHIFT / RADIUS
     stage.add_ball(radius, -radius * TOWARDS_CAMERA)
     still = stage.thing.matrix_world.copy()
@@ -103,8 +102,8 @@ def turntable(effort: Effort) -> Iterator[Row]:
         stage.thing.matrix_world = centre @ turned @ centre.inverted() @ still
 
     back = Matrix.Rotation(-step, 3, UP)  # how all else moves for one who sits on the ball
-    after = back @ TOWARDS_CAMERA, back @ towards_sun
-    yield turn_row(cones_turned(TOWARDS_CAMERA, (TOWARDS_CAMERA, towards_sun), after))
+    after = back @ TOWARDS_CAMERA, back @ BEHIND_CAMERA
+    yield turn_row(cones_turned(TOWARDS_CAMERA, (TOWARDS_CAMERA, BEHIND_CAMERA), after))
     rows, _ = compare_frames(stage, place, SHIFT, effort.frames // 2)
     yield from rows
     yield from turn_away_and_back(stage, place)
@@ -141,7 +140,10 @@ def turn_row(cones: float) -> Row:
 def compare_frames(
     stage: Stage, place: Callable[[float], None], shift: int, frames: int
 ) -> tuple[list[Row], Layers]:
-    """Each frame has samples of its own. place() moves the surface `shift` pixels right a frame."""
+    """Each frame has samples of its own. place() moves the surface `shift` pixels right a frame.
+
+    The surface anchor's material comes last and stays on.
+    """
     stage.put_on(MEAN)
     means = []
     for frame in range(frames):
@@ -162,8 +164,7 @@ def compare_frames(
         say(f"  {name}")
         stage.put_on(name)
         seen[name] = layers(name, SAMPLES, frames)
-        if name == "surface":
-            finer = layers(name, MORE_SAMPLES, 2)
+    finer = layers("surface", MORE_SAMPLES, 2)
     warped = {name: layer.neighbours(each, shift) for name, each in seen.items()}
     more = {"surface": layer.neighbours(finer, shift)}
     what = "correlation of neighbouring frames"
@@ -178,7 +179,7 @@ def compare_frames(
 
 
 def turn_away_and_back(stage: Stage, place: Callable[[float], None]) -> Iterator[Row]:
-    stage.put_on("surface")
+    """With the material that is on, the surface anchor's."""
     shots = []
     for frame in (0, FAR_AWAY, 0):
         place(frame)
@@ -234,7 +235,7 @@ def blur(effort: Effort) -> Iterator[Row]:
 NEAREST, FARTHEST = 0.3, 30.0
 SLOPE = 0.05  # of the lens: half the picture's width over the distance
 LAMP = math.radians(30)  # so wide that many of the few flakes in a pixel are lit
-FEW_SAMPLES = 16
+FEW_SAMPLES = 8
 
 
 def dolly(effort: Effort) -> Iterator[Row]:

@@ -21,7 +21,7 @@ MILLISECONDS = 83  # of a frame: 12 in a second
 MOST_FILM, MOST_STRIP = 1_900_000, 190_000  # bytes: a picture of the repository is small
 COLUMNS = 6  # of a strip
 # Frames from a column of a strip to the next; how much its panels, a frame's middle, are enlarged.
-STRIPS = {"turntable": (2, 4), "dolly": (4, 1), "pan": (1, 4), "sun": (2, 4)}
+STRIPS = {"turntable": (2, 3), "dolly": (4, 1), "pan": (1, 3), "sun": (2, 3)}
 
 Panels = Sequence[np.ndarray]
 

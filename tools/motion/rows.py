@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from common import bars
 
-MATERIALS = ("pixel", "surface", "Voronoi")  # the paint by its anchor, and flakes made of nodes
+MATERIALS = ("pixel", "Voronoi", "surface")  # the paint by its anchor, and flakes made of nodes
 FILMED = ("turntable", "dolly", "pan", "sun")
 MEASURED = (*FILMED, "blur", "panorama")
 FILM = "motion.webp"

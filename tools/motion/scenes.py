@@ -27,6 +27,7 @@ ELEVATION = math.radians(50)  # of the camera
 TOWARDS_CAMERA = Vector((0, -math.cos(ELEVATION), math.sin(ELEVATION)))
 RIGHT = Vector((1, 0, 0))  # of the picture
 UP = TOWARDS_CAMERA.cross(RIGHT)
+BEHIND_CAMERA = (TOWARDS_CAMERA + 0.3 * UP).normalized()  # another place of the sun
 AWAY = 1.0  # of the orthographic camera
 
 
@@ -133,9 +134,10 @@ class Stage:
 def voronoi(paint: Paint) -> bpy.types.Material:
     """The usual flakes of nodes: the cells of a Voronoi texture turn the normal of a metal.
 
-    They have the paint's number and tilt. Of a Poisson-Voronoi tessellation with s^3 cells in a
-    volume a plane cuts 1.458 s^2 in an area (Okabe et al., Spatial Tessellations, 2000, table
-    5.2.2). The colour's channels are even in [0, 1]: their standard deviation is 1/sqrt(12).
+    They have the paint's number, and its tilt as the binder shows it, eta times as wide. Of a
+    Poisson-Voronoi tessellation with s^3 cells in a volume a plane cuts 1.458 s^2 in an area (Okabe
+    et al., Spatial Tessellations, 2000). The colour's channels are even in [0, 1]: their standard
+    deviation is 1/sqrt(12).
     """
     made = bpy.data.materials.new("Voronoi flakes")
     if made.node_tree is None:
@@ -147,14 +149,14 @@ def voronoi(paint: Paint) -> bpy.types.Material:
     tilted, added, unit = (nodes.new("ShaderNodeVectorMath") for _ in range(3))
     metal = nodes["Principled BSDF"]
     cells.inputs["Scale"].default_value = math.sqrt(paint.flakes_per_mm2 * 1e6 / 1.458)
-    strength = math.sqrt(12) * paint.tilt
+    strength = math.sqrt(12) * paint.binder_ior * paint.tilt
     tilted.operation, added.operation, unit.operation = "MULTIPLY_ADD", "ADD", "NORMALIZE"
     tilted.inputs[1].default_value = [strength] * 3
     tilted.inputs[2].default_value = [-strength / 2] * 3
     metal.inputs["Metallic"].default_value = 1
     metal.inputs["Base Color"].default_value = (0.87, 0.88, 0.89, 1)
-    # As wide as the paint's flakes spread light: alpha, roughness squared, in normals.
-    metal.inputs["Roughness"].default_value = math.sqrt(cone(paint))
+    # A facet spreads light as the paint's flakes do: alpha, the roughness squared, is in normals.
+    metal.inputs["Roughness"].default_value = math.sqrt(paint.binder_ior * cone(paint))
     links.new(place.outputs["Object"], cells.inputs["Vector"])
     links.new(cells.outputs["Color"], tilted.inputs[0])
     links.new(tilted.outputs[0], added.inputs[0])
