@@ -67,3 +67,14 @@ def test_a_folder_with_other_things_stays_as_it_is(tmp_path: Path) -> None:
 
 def test_the_folder_owns_the_film_and_a_strip_of_each_motion() -> None:
     assert MOTION.pictures == (FILM, *map(strip_of, FILMED))
+
+
+def test_the_committed_report_shows_every_motion() -> None:
+    folder = ROOT / "docs" / "motion"
+    text = (folder / REPORT).read_text(encoding="utf-8")
+    assert text.startswith(MOTION.mark)
+    for motion in MEASURED:
+        assert f"## {motion.capitalize()}" in text
+    for picture in MOTION.pictures:
+        assert f"({picture})" in text
+        assert (folder / picture).stat().st_size < (2_000_000 if picture == FILM else 500_000)

@@ -48,10 +48,10 @@ sparkles stay, 1 where every frame has others. Bars hold for the surface anchor.
 """
 
 CAPTIONS = {
-    "turntable": "A turning ball. The strip shows every second frame, enlarged; half a degree lies "
-    "between two. What a flake mirrors to the eye moves on by the cone in which it sparkles within "
-    "a few frames, then others flash. Measured on the middle of a large ball, two pixels a frame; "
-    "the turn is told in radii of that cone.",
+    "turntable": "A turning ball. The strip shows every second frame, enlarged: half a degree. A "
+    "flake sparkles while its mirror direction passes the eye, for some frames, then others do. "
+    "Measured on the middle of a large ball, two pixels a frame; the turn is told in radii of the "
+    "cone in which a flake sparkles.",
     "dolly": "From 0.3 m to 30 m before a plane, every fourth frame. Measured with fewer flakes, "
     "one in a pixel at first, under a lamp of 30°. The variance per flake is the variance of the "
     "pixels over their mean, times the squared distance.",
