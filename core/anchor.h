@@ -32,8 +32,8 @@
 namespace metallic_paint {
 
 // The side of a cell of normals, in radii of the cone of normals that sparkle. A turn by a quarter
-// of a radius keeps 95 % of the flakes lit (real ones: 84 %), a few cones make a new set.
-inline constexpr double kNormalCell = 8;
+// of a radius keeps 96 % of the flakes lit (real ones: 84 %), a few cones make a new set.
+inline constexpr double kNormalCell = 10;
 
 // The footprint is as long as at this cosine where the view is lower.
 inline constexpr double kLongestFootprint = 0.01;

@@ -7,7 +7,7 @@
 #include "passage.h"
 #include "random.h"
 
-#define NORMAL_CELL 8.0
+#define NORMAL_CELL 10.0
 #define LONGEST_FOOTPRINT 0.01
 #define COLUMN 16.0
 
