@@ -24,9 +24,9 @@ T facing_area(Vec3<T> view_in_camera, T pixels_x, T pixels_y) {
   return std::abs(view_in_camera.z) / (length(view_in_camera) * pixels_x * pixels_y);
 }
 
-// On the surface: 1/cos(theta) as much. Seen in a mirror, by other cameras, and where a camera
-// without a projection (panorama) gives an `exact` far from it, the ray differentials |Dx x Dy|,
-// which are traced as a cone and lack that cosine.
+// On the surface: 1/cos(theta) as much. Seen in a mirror, by a camera without a projection
+// (panorama), or with an `exact` far from it, the ray differentials |Dx x Dy|, which are traced as
+// a cone and lack that cosine.
 template <class T>
 T surface_area(T exact, T differential, T cos_view) {
   if (exact > T(0.2) * differential && exact < 5 * differential) return exact / cos_view;

@@ -42,7 +42,13 @@ Pixel find_pixel(point position, vector n, vector view)
     point centre = transform("camera", "raster", c);
     point right = transform("camera", "raster", c + vector(h, 0.0, 0.0));
     point up = transform("camera", "raster", c + vector(0.0, h, 0.0));
-    exact = facing_area(transform("camera", view), fabs(right[0] - centre[0]) / h, fabs(up[1] - centre[1]) / h);
+    vector towards = transform("camera", view);
+    point behind = transform("camera", "raster", c - towards * h);
+    float x = fabs(right[0] - centre[0]);
+    float y = fabs(up[1] - centre[1]);
+    // A projection keeps the place in the raster along the view, but for the depth of field; a panorama has no such raster.
+    if (fabs(behind[0] - centre[0]) < 0.1 * x && fabs(behind[1] - centre[1]) < 0.1 * y)
+      exact = facing_area(towards, x / h, y / h);
   }
   pixel.area = surface_area(exact, length(cross(Dx(position), Dy(position))), max(dot(n, view), 1e-6));
   return pixel;

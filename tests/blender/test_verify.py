@@ -72,6 +72,25 @@ def test_a_wrong_prediction_is_found_out() -> None:
     assert comparison.unexplained > 10
 
 
+def test_a_panoramas_footprint_is_what_its_pixels_see() -> None:
+    """Against the parallelogram between the places that the neighbouring pixels see."""
+    spec = next(each for each in scenes.SCENES if each.name == "fisheye")
+    scene = bpy.context.scene
+    item = scenes.build(scene, spec, 2 * SIZE)
+    geometry = verify.Probe(scene, [item.active_material]).geometry()
+    place, hit = geometry.position.astype(float), geometry.hit
+    across = (place[1:-1, 2:] - place[1:-1, :-2]) / 2
+    up = (place[2:, 1:-1] - place[:-2, 1:-1]) / 2
+    seen = hit[1:-1, 2:] & hit[1:-1, :-2] & hit[2:, 1:-1] & hit[:-2, 1:-1]
+    wanted = np.linalg.norm(np.cross(across, up), axis=-1)[seen]
+    off = geometry.footprint[1:-1, 1:-1][seen] / wanted - 1
+    assert seen.mean() > 0.5
+    # The differentials are a round cone's, and the fisheye's pixels up to 1.2 times as wide as
+    # high; the lowest rows lie 80 degrees off the axis of the lens.
+    assert np.quantile(np.abs(off), 0.95) < 0.03
+    assert np.abs(off).max() < 0.15
+
+
 @pytest.mark.every_blender
 def test_the_hash_has_the_same_bits() -> None:
     assert hashes.check("test").holds
