@@ -15,7 +15,7 @@ import nox
 
 sys.path.insert(0, str(Path(__file__).parent / "tools"))
 
-from checks.run import RESULTS, group
+from checks.run import RESULTS, chosen_files
 from common import environments
 from common.environments import BLENDER_BETWEEN, BLENDERS, FIRST_BLENDER, Blender
 from common.processes import BUILD, ROOT, StepFailedError
@@ -62,8 +62,6 @@ def sanitized(session: nox.Session) -> None:
 
 def run_core(session: nox.Session, sanitizers: str) -> None:
     choice = asked(session)
-    if choice.k not in group(session.name):
-        return
     folder = BUILD / ("sanitize" if sanitizers else "tests")
     with environments.alone():
         session.run("cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", "--log-level=WARNING",
@@ -104,14 +102,6 @@ def fuzz(session: nox.Session) -> None:
 def run_pytest(session: nox.Session, place: Blender | environments.Environment) -> None:
     """The files of the session's room, two processes at once; those of other Blenders in part."""
     choice = asked(session)
-    room = session.name.partition("(")[0]
-    files = [
-        file
-        for file in sorted((ROOT / "tests" / room).glob("test_*.py"))
-        if choice.k in group(session.name, file.stem.removeprefix("test_"))
-    ]
-    if not files or (room == "fuzz" and not choice.all):
-        return
     marks = [] if choice.all else ["not long"]
     if isinstance(place, Blender) and place != FIRST_BLENDER and not choice.all:
         marks.append("every_blender")
@@ -119,7 +109,8 @@ def run_pytest(session: nox.Session, place: Blender | environments.Environment) 
     session.run(place.python, "-m", "pytest", "-q", "-c", ROOT / "pyproject.toml",
                 f"--rootdir={ROOT}", "-n", AT_ONCE, "--dist", "worksteal",
                 "-m", " and ".join(marks), f"--junit-xml={RESULTS / f'{session.name}.xml'}",
-                *files, success_codes=[0, NO_TEST_LEFT] if choice.k else [0])  # fmt: skip
+                *chosen_files(session.name, choice.k),
+                success_codes=[0, NO_TEST_LEFT] if choice.k else [0])  # fmt: skip
 
 
 def prepare(session: nox.Session, place: Blender | environments.Environment) -> None:

@@ -7,6 +7,7 @@ import argparse
 import json
 import re
 import shutil
+import subprocess
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -36,6 +37,24 @@ def group(session: str, file: str = "") -> str:
     room, _, version = session.removesuffix(")").partition("(")
     name = room if file in ("", room) else f"{room} {file}"
     return f"{name}, Blender {version}" if version else name
+
+
+def chosen_files(session: str, text: str) -> list[Path]:
+    """Of the session's room those with the text in their line of the table."""
+    room = session.partition("(")[0]
+    files = sorted((ROOT / "tests" / room).glob("test_*.py"))
+    return [file for file in files if text in group(session, file.stem.removeprefix("test_"))]
+
+
+def chosen_sessions(nox: list[str | Path], text: str, everything: bool) -> list[str]:
+    """Those in which something has the text in its line of the table; fuzzers run with --all."""
+    listed = subprocess.run(
+        [*nox, "--list-sessions", "--json"], capture_output=True, text=True, check=True
+    )
+    sessions = [session["session"] for session in json.loads(listed.stdout)]
+    sessions = [name for name in sessions if everything or name != "fuzz"]
+    chosen = [name for name in sessions if chosen_files(name, text)]
+    return ["core", *chosen] if text in group("core") else chosen
 
 
 def cases() -> Iterator[Case]:
@@ -100,15 +119,19 @@ def main() -> int:
     start = time.monotonic()
     shutil.rmtree(RESULTS, ignore_errors=True)
     RESULTS.mkdir(parents=True)
-    nox = [OWN / "nox", "-f", ROOT / "noxfile.py", "--report", REPORT]
-    sessions = ["--sessions", "sanitized"] if asked.sanitize else []
+    nox = [OWN / "nox", "-f", ROOT / "noxfile.py"]
+    sessions = ["sanitized"] if asked.sanitize else chosen_sessions(nox, asked.k, asked.all)
+    if not sessions:
+        raise StepFailedError(f"No group of tests has “{asked.k}” in its name.")
     passed_on = [*["--all"] * asked.all, "-k", asked.k]
-    code = run_limited([*nox, *sessions, "--", *passed_on], seconds=SECONDS)
+    code = run_limited(
+        [*nox, "--report", REPORT, "--sessions", *sessions, "--", *passed_on], seconds=SECONDS
+    )
     if not REPORT.is_file():
         raise StepFailedError(f"The tests did not come to their end ({describe(code)}).")
     found = list(cases())
     if not found:
-        raise StepFailedError(f"No group of tests has “{asked.k}” in its name.")
+        raise StepFailedError(f"Only --all runs tests of groups with “{asked.k}” in their name.")
     minutes = f"{(time.monotonic() - start) / 60:.1f} minutes"
     report(
         found, minutes if asked.all else f"{minutes}; ./paint test --all runs the long tests too"
