@@ -87,7 +87,7 @@ struct Arrays {
   std::vector<double> mean_count, count, radiance, mean, variance;
 
   Arrays(int n, std::size_t lights) {
-    Random random(70);
+    Random random = fresh(70);
     const auto push = [](std::vector<double>& array, Vec3<double> v) {
       array.insert(array.end(), {v.x, v.y, v.z});
     };

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +19,8 @@
 namespace {
 
 using namespace metallic_paint;
+using core_tests::fresh;
+using core_tests::Random;
 using core_tests::Worst;
 
 template <class T>
@@ -36,10 +37,12 @@ double largest(Rgb<double> difference) {
 
 template <class Visit>
 void at_random_places(const Visit& visit) {
-  std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> uniform(0, 1);
+  Random random = fresh(5);
   for (int kind = 1; kind < kCoatingKinds; ++kind) {
-    for (int i = 0; i < 4000; ++i) visit(kind, 200 * uniform(random), uniform(random));
+    for (int i = 0; i < 4000; ++i) {
+      const double nm = random.uniform(0, 200);
+      visit(kind, nm, random.uniform());
+    }
     for (double nm : {0.0, 5.0, 195.0, 200.0}) {
       for (double cosine : {0.0, 0.5, 2.0 / 3, 1.0}) visit(kind, nm, cosine);
     }

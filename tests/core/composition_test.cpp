@@ -14,7 +14,7 @@ using namespace core_tests;
 using namespace metallic_paint;
 
 TEST(Composition, TheSumHasTheGreaterLuminance) {
-  Random random(7);
+  Random random = fresh(7);
   for (int i = 0; i < 1000; ++i) {
     const auto colour = [&] {
       return Rgb<double>{random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};

@@ -107,7 +107,7 @@ void expect_closed_form(const TestScene& scene, int stream, double threshold, Wo
 }
 
 TEST(Draws, ContrastDrawsTheRadianceToItsMean) {
-  Random random(44);
+  Random random = fresh(44);
   Worst worst;
   int dark = 0;
   for (int k = 0; k < 400; ++k) {
@@ -144,7 +144,7 @@ TEST(Draws, ContrastDrawsTheRadianceToItsMean) {
 }
 
 TEST(Draws, CountAndRadianceHaveTheirMeanAndVariance) {
-  Random random(run_seed());
+  Random random = fresh(45);
   Worst worst;
   Variances variances(4);
   const int scenes = 96;
@@ -184,7 +184,7 @@ TEST(Draws, CountAndRadianceHaveTheirMeanAndVariance) {
 }
 
 TEST(Draws, EveryCountFromRareToCountlessHasItsMeanAndVariance) {
-  Random random(run_seed() + 1);
+  Random random = fresh(46);
   Worst worst;
   Variances variances(4);
   const double counts[] = {0.01, 0.03, 0.0999, 0.11, 0.5, 1,   3,   10,  15,
@@ -211,7 +211,7 @@ TEST(Draws, EveryCountFromRareToCountlessHasItsMeanAndVariance) {
 }
 
 TEST(Draws, SumOfManyIsNeverNegativeNorAboveTheCeiling) {
-  Random random(42);
+  Random random = fresh(42);
   for (int k = 0; k < 300; ++k) {
     TestScene scene;
     scene.paint = random_paint(random);
@@ -281,7 +281,7 @@ TEST(Draws, OverlappingSparklesShowNoMoreThanTheMirror) {
 
 TEST(Draws, ColoursOfOneSparkleFollowTheirOwnDepths) {
   // A single sparkle is dimmed by e^(-x u) in each colour with one depth u.
-  Random random(43);
+  Random random = fresh(43);
   for (int k = 0; k < 2'000; ++k) {
     ExpectedSparkles<double> expected;
     expected.mean_count = 0.5;
@@ -303,7 +303,7 @@ TEST(Draws, ColoursOfOneSparkleFollowTheirOwnDepths) {
 }
 
 TEST(Draws, SamePixelGivesTheSameSparkles) {
-  Random random(44);
+  Random random = fresh(44);
   TestScene scene;
   scene.paint = random_paint(random);
   aim(scene, random, 2);

@@ -164,7 +164,7 @@ TEST(Extremes, Footprints) {
 }
 
 TEST(Extremes, LongRandomValidPaints) {
-  Random random(50);
+  Random random = fresh(50);
   for (int k = 0; k < 4'000 && !HasFatalFailure(); ++k) {
     TestScene scene;
     scene.paint = any_paint(random);
@@ -182,9 +182,20 @@ class RoundingModes : public testing::TestWithParam<int> {
   void TearDown() override { std::fesetround(FE_TONEAREST); }
 };
 
+// |d ln P/d beta| at the scene's flake: what a rounding of the directions does to P.
+double slope_of_density(const TestScene& scene) {
+  const auto flakes = scene.layer<double>().flakes[0].orientation;
+  const auto at = [&](double beta) {
+    const double half = std::sin(beta / 2);
+    return std::log(orientation_density(flakes, half * half));
+  };
+  const double step = 1e-3 * scene.paint.tilt;
+  return std::fabs(at(scene.beta + step) - at(scene.beta)) / step;
+}
+
 template <class T>
-void expect_stable(int mode, double ulps_of_count, double ulps_of_radiance) {
-  Random random(51);
+void expect_stable(const std::string& type, int mode, double ulps) {
+  Random random = fresh(51);
   Worst count, mean, variance;
   for (int k = 0; k < 3'000; ++k) {
     TestScene scene;
@@ -201,22 +212,22 @@ void expect_stable(int mode, double ulps_of_count, double ulps_of_radiance) {
     // One more or less of a pixel's places is no rounding.
     if (moved.slots != nearest.slots) continue;
     const auto see = [&](Worst& worst, T a, T b) {
-      worst.see(relative_error(a, b) / std::numeric_limits<T>::epsilon(), scene);
+      const long double off = relative_error(a, b) / std::numeric_limits<T>::epsilon();
+      worst.see(off / (1 + slope_of_density(scene)), scene);
     };
     see(count, moved.mean_count, nearest.mean_count);
     see(mean, moved_mean, mean_radiance(nearest).y);
     if (nearest.slots == 0) see(variance, moved_variance, radiance_variance(nearest).y);
   }
-  count.expect_at_most(ulps_of_count, "count");
-  mean.expect_at_most(ulps_of_radiance, "mean");
-  variance.expect_at_most(2 * ulps_of_radiance, "variance");
+  count.expect_at_most(ulps, type + "_count");
+  mean.expect_at_most(ulps, type + "_mean");
+  variance.expect_at_most(2 * ulps, type + "_variance");
 }
 
 TEST_P(RoundingModes, MoveResultsByTheirRounding) {
-  expect_stable<double>(GetParam(), 16, 64);
-  // 1e-5 in units of 1.2e-7 to the nearest, twice that where all roundings go one way: directions
-  // in float decide P of narrow tilts.
-  expect_stable<float>(GetParam(), 168, 168);
+  // 9 and 23 were the largest of 63 runs like this one. float: the directions' own rounding.
+  expect_stable<double>("double", GetParam(), 16);
+  expect_stable<float>("float", GetParam(), 40);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RoundingModes,

@@ -37,12 +37,12 @@ TEST(FlakeLobe, SampledTiltsHaveTheMomentsOfP) {
 
 // Sums over caps of directions against the BRDF's integral over them.
 template <class T>
-void expect_brdf(int first_seed) {
-  Random random(static_cast<std::uint64_t>(first_seed));
+void expect_brdf(std::uint64_t stream) {
+  Random random = fresh(stream);
   Worst worst;
   int judged = 0;
   constexpr int kScenes = 24, kSamples = 60'000, kCaps = 3;
-  const double threshold = sidak_threshold(kLevel, kScenes * (kCaps + 1));
+  const double threshold = sidak_threshold(kFreshLevel, kScenes * (kCaps + 1));
   for (int k = 0; k < kScenes; ++k) {
     TestScene scene;
     scene.paint = random_paint(random);

@@ -11,6 +11,7 @@
 namespace {
 
 using namespace metallic_paint;
+using core_tests::fresh;
 using core_tests::Random;
 using core_tests::relative_error;
 using core_tests::Worst;
@@ -43,7 +44,7 @@ TEST(Light, SolidAngleOfASmallDiscIsFlat) {
 }
 
 TEST(Light, PositionalLightShowsItsRadiusOverItsDistance) {
-  Random random(60);
+  Random random = fresh(60);
   Worst direction, size;
   for (int i = 0; i < 10'000; ++i) {
     const auto any = [&] { return random.uniform(-10, 10); };
@@ -97,7 +98,7 @@ TEST(Light, UnusedAndUndirectedLightsAreNotSeen) {
 }
 
 TEST(Light, TwoLightsShareACone_WhereDiscsAndGapMeet) {
-  Random random(61);
+  Random random = fresh(61);
   for (int i = 0; i < 20'000; ++i) {
     const double a = random.log_uniform(1e-6, 0.5), b = random.log_uniform(1e-6, 0.5);
     const double phi = random.uniform(0, 6.28);
@@ -116,7 +117,7 @@ TEST(Light, TwoLightsShareACone_WhereDiscsAndGapMeet) {
 }
 
 TEST(Light, NoGroupsConeMeetsAnotherGroupsLight) {
-  Random random(62);
+  Random random = fresh(62);
   for (int i = 0; i < 5'000; ++i) {
     std::array<SeenLight<double>, 8> seen;
     std::array<int, 8> leader;

@@ -95,7 +95,7 @@ void see_furnace(Passing& furnace, const SeenPaint& seen) {
 }
 
 TEST(Mixture, ALosslessPaintReflectsEverything) {
-  Random random(run_seed());
+  Random random = fresh(87);
   Passing furnace(0.0088);
   for (int i = 0; i < 100 / kFewer; ++i) {
     see_furnace(furnace, over_white(random, ordinary_paint(random, true)));
@@ -107,7 +107,7 @@ TEST(Mixture, ALosslessPaintReflectsEverything) {
 // Titania on mica, and on silica, where what a pearl lets through changes faster with the angle
 // than the two directions see that stand for all that leave.
 TEST(Mixture, ALosslessPearlReflectsEverything) {
-  Random random(run_seed());
+  Random random = fresh(88);
   Passing mica(0.0075), silica(0.0301);
   for (int i = 0; i < 100 / kFewer; ++i) {
     see_furnace(mica, over_white(random, lossless_pearl(random, true)));
@@ -131,7 +131,7 @@ struct Stated {
 template <class MakePaint>
 void expect_the_walk(const Stated& stated, int paints, std::size_t photons,
                      const MakePaint& make_paint) {
-  Random random(run_seed());
+  Random random = fresh(89);
   Passing all(stated.largest), often(stated.often);
   double sum = 0;
   // Three colours each; what the walk's own error may add.
@@ -226,7 +226,7 @@ TEST(Mixture, ErrsOnStoredWalksNoMoreThanItDid) {
 // --- by angle --------------------------------------------------------------------------------
 
 void expect_the_lightness(int paints, std::size_t photons) {
-  Random random(run_seed());
+  Random random = fresh(90);
   Passing all(19.9), often(6.13);
   double two_lobes = 0;
   for (int i = 0; i < paints; ++i) {
@@ -257,7 +257,7 @@ TEST(Mixture, LongHasTheLightnessOfTheRandomWalkByAngle) {
 // Of 40 shiny paints more than half err more than twice as much with one Lambertian lobe: so do 84
 // % of all, and fewer than half of 40 would with the probability 1e-6 (binomial).
 TEST(Mixture, OneLobeWouldErrTwiceAsMuch) {
-  Random random(run_seed());
+  Random random = fresh(91);
   constexpr int kPaints = 40;
   int twice = 0;
   for (int i = 0; i < kPaints;) {
@@ -276,7 +276,7 @@ TEST(Mixture, OneLobeWouldErrTwiceAsMuch) {
 
 // Half of the flakes twice are all of them.
 TEST(Mixture, AddsTheSpecies) {
-  Random random(94);
+  Random random = fresh(94);
   Worst worst;
   for (int i = 0; i < 100; ++i) {
     const Paint whole = ordinary_paint(random, false);
@@ -319,7 +319,7 @@ TEST(Mixture, WithoutFlakesIsTheSubstrateUnderAClearCoat) {
 }
 
 TEST(Mixture, InFloatIsThatInDouble) {
-  Random random(92);
+  Random random = fresh(92);
   Worst worst;
   for (int i = 0; i < 3000; ++i) {
     const Paint paint = ordinary_paint(random, i % 2 == 0);
@@ -350,7 +350,7 @@ void expect_sound(const Paint& paint, Rgb<double> substrate, double cos_view) {
 }
 
 TEST(Mixture, IsSoundForEveryValidPaint) {
-  Random random(93);
+  Random random = fresh(93);
   const auto end_or = [&](double least, double most, double usual) {
     const auto pick = random.below(3);
     return pick == 0 ? least : pick == 1 ? most : usual;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hash as a source of random numbers. Statistical tests use fixed keys and level 1e-3 for each
-// test as a whole (Sidak's correction within).
+// The hash as a source of random numbers. Statistical tests use fixed keys, for which it always
+// draws the same, and level 1e-3 for each test as a whole (Sidak's correction within).
 #include "random.h"
 
 #include <algorithm>
@@ -17,6 +17,7 @@ namespace {
 
 using namespace metallic_paint;
 using core_tests::chi_square_z;
+using core_tests::fresh;
 using core_tests::kLevel;
 using core_tests::Random;
 using core_tests::sidak_threshold;
@@ -57,7 +58,7 @@ TEST(Random, DrawsDependOnNothingButTheirIntegers) {
 
 TEST(Random, UniformsAreTheMiddlesOf2To48EqualSteps) {
   // In double exactly: so a probability p is met to 2^-48, 3.6e-15, whatever p is.
-  Random random(3);
+  Random random = fresh(3);
   for (int i = 0; i < 100'000; ++i) {
     const std::uint64_t m = i == 0   ? 0
                             : i == 1 ? (1ull << 48) - 1
@@ -83,7 +84,7 @@ TEST(Random, UniformsAreNeverZeroAndAtMostOne) {
 }
 
 TEST(Random, DepthUniformsAreTheSameInFloatAndDouble) {
-  Random random(5);
+  Random random = fresh(5);
   for (int i = 0; i < 100'000; ++i) {
     const auto word = static_cast<std::uint32_t>(random.bits());
     ASSERT_EQ(static_cast<double>(uniform_23<float>(word)), uniform_23<double>(word));

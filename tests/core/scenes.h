@@ -237,7 +237,8 @@ inline void aim(TestScene& scene, Random& random, double tilts, bool oblique = t
 inline void set_count(TestScene& scene, double count) {
   scene.footprint = 1;
   const double per_area = scene.expect<double>().mean_count;
-  scene.footprint = rounded(count / per_area);
+  // Beyond these sizes the core takes a pixel for one at the end.
+  scene.footprint = rounded(std::clamp(count / per_area, 1e-20, 1e6));
 }
 
 inline independent::Scene reference_scene(const TestScene& s) {

@@ -42,7 +42,7 @@ std::array<T, 3> channels(Rgb<T> c) {
 }
 
 TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
-  Random random(20);
+  Random random = fresh(20);
   Worst count, mean, variance, brdf, depth;
   for (int k = 0; k < 40; ++k) {
     TestScene scene = random_scene(random);
@@ -86,7 +86,7 @@ TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
 }
 
 TEST(Sparkles, DoubleFollowsLongDouble) {
-  Random random(21);
+  Random random = fresh(21);
   Worst count, mean, variance, radiance, summed;
   for (int k = 0; k < 20'000; ++k) {
     const TestScene scene = random_scene(random);
@@ -116,7 +116,7 @@ TEST(Sparkles, DoubleFollowsLongDouble) {
 }
 
 TEST(Sparkles, LongFloatFollowsDouble) {
-  Random random(22);
+  Random random = fresh(22);
   Worst count, mean, variance, drawn, summed;
   int draws = 0, same = 0;
   for (int k = 0; k < 100'000; ++k) {
@@ -154,7 +154,7 @@ TEST(Sparkles, LongFloatFollowsDouble) {
 
 TEST(Sparkles, MeanRadianceEqualsFlakeBrdf) {
   // E[T] = cos(theta') f, in both radiometries: far sparkles merge into the mean.
-  Random random(23);
+  Random random = fresh(23);
   Worst worst;
   for (int k = 0; k < 20'000; ++k) {
     const TestScene scene = narrow_scene(random);
@@ -199,7 +199,7 @@ double mean_over_light(const TestScene& scene, const Layer<double>& layer, doubl
 TEST(Sparkles, LongWideLightsErrAsStated) {
   // The table at the head of sparkles.h. The seed is another in each run, so the bars lie above
   // what three runs found: 0.17, 0.59, 3.8 and 9.3 %; of the mirror's mean 0.8, 4, 12 and 21 %.
-  Random random(run_seed() + 2);
+  Random random = fresh(30);
   struct Band {
     double from, to, root_mean_square, of_mirror;  // cone in tilts; errors
   };
@@ -251,7 +251,7 @@ TEST(Sparkles, LongWideLightsErrAsStated) {
 }
 
 TEST(Sparkles, MeanRadianceDoesNotDependOnPixelOrLightSize) {
-  Random random(24);
+  Random random = fresh(24);
   Worst worst;
   for (int k = 0; k < 500; ++k) {
     TestScene scene = narrow_scene(random);
@@ -269,7 +269,7 @@ TEST(Sparkles, MeanRadianceDoesNotDependOnPixelOrLightSize) {
 }
 
 TEST(Sparkles, FlakeBrdfIsReciprocal) {
-  Random random(25);
+  Random random = fresh(25);
   Worst exact;
   double published = 0;
   for (int k = 0; k < 5'000; ++k) {
@@ -290,7 +290,7 @@ TEST(Sparkles, FlakeBrdfIsReciprocal) {
 }
 
 TEST(Sparkles, PublishedRadianceIsExactTimesInnerOverOuterCosine) {
-  Random random(26);
+  Random random = fresh(26);
   Worst mean;
   for (int k = 0; k < 5'000; ++k) {
     TestScene scene = narrow_scene(random);
@@ -309,7 +309,7 @@ TEST(Sparkles, PublishedRadianceIsExactTimesInnerOverOuterCosine) {
 
 TEST(Sparkles, PublishedCountUsesTheFlatSolidAngle) {
   // pi Delta_a^2 in place of 4 pi sin^2(Delta_a/2).
-  Random random(27);
+  Random random = fresh(27);
   Worst worst;
   for (int k = 0; k < 2'000; ++k) {
     TestScene scene = narrow_scene(random);
@@ -329,7 +329,7 @@ TEST(Sparkles, PublishedCountUsesTheFlatSolidAngle) {
 }
 
 TEST(Sparkles, DepthModelsShareTheirMeanAndDifferInVariance) {
-  Random random(28);
+  Random random = fresh(28);
   Worst mean;
   int wider = 0, scenes = 0;
   for (int k = 0; k < 5'000; ++k) {
@@ -352,13 +352,14 @@ TEST(Sparkles, DepthModelsShareTheirMeanAndDifferInVariance) {
 
 TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
   // delta T/T = sqrt((1 + sigma^2) m/<N>) for spreads that keep the normal deviate's moments.
-  Random random(29);
+  Random random = fresh(29);
   Worst worst;
   for (int k = 0; k < 2'000; ++k) {
     TestScene scene = random_scene(random);
     scene.paint.flake_area_spread = rounded(random.uniform(0, 0.1));
     set_count(scene, 3e4);
     const auto expected = scene.expect<double>();
+    if (expected.slots > 0) continue;  // so few that they are Bernoulli's
     const double mean = mean_radiance(expected).x;
     const Real x = expected.slant.x;
     const Real a1 = independent::averaged(x), m = independent::averaged(2 * x) / (a1 * a1);
@@ -371,7 +372,7 @@ TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
 }
 
 TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {
-  Random random(31);
+  Random random = fresh(31);
   TestScene scene = random_scene(random);
   scene.paint.depth_model = DepthModel::attenuated;
   const Rgb<double> slant{0.5, 1, 2};

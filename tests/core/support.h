@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the tests share: the worst error of a sweep with the place where it occurred, seeded random
+// What the tests share: the worst error of a sweep with the place where it occurred, random
 // numbers, and the thresholds of statistical tests.
 #pragma once
 
@@ -83,7 +83,25 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-// Of a statistical test as a whole, all its comparisons together.
+// The seed of a run's random tests, a new one in each run, so that no statement leans on a picked
+// one. The environment variable METALLIC_PAINT_TEST_SEED repeats a run.
+inline std::uint32_t run_seed() {
+  static const std::uint32_t seed = [] {
+    const char* given = std::getenv("METALLIC_PAINT_TEST_SEED");
+    const auto taken = given != nullptr
+                           ? static_cast<std::uint32_t>(std::strtoul(given, nullptr, 10))
+                           : std::random_device{}();
+    std::cout << "METALLIC_PAINT_TEST_SEED=" << taken << " repeats this run\n";
+    return taken;
+  }();
+  return seed;
+}
+
+// Of a test's own stream, others in each run.
+inline Random fresh(std::uint64_t stream) { return Random(run_seed() + (stream << 32)); }
+
+// Of a statistical test as a whole, all its comparisons together, where another run cannot find
+// anything else: what the hash draws for the same keys.
 inline constexpr double kLevel = 1e-3;
 
 // The address sanitizer makes code several times as slow: what is repeated over many random scenes
@@ -101,20 +119,6 @@ inline constexpr double kFreshLevel = 1e-6;
 // make: `Variances` counts them.
 inline constexpr double kVarianceLevel = 1e-4;
 inline constexpr long kVarianceComparisons = 8000;
-
-// The seed of a run's random tests, a new one in each run. The environment variable
-// METALLIC_PAINT_TEST_SEED repeats a run.
-inline std::uint32_t run_seed() {
-  static const std::uint32_t seed = [] {
-    const char* given = std::getenv("METALLIC_PAINT_TEST_SEED");
-    const auto taken = given != nullptr
-                           ? static_cast<std::uint32_t>(std::strtoul(given, nullptr, 10))
-                           : std::random_device{}();
-    std::cout << "METALLIC_PAINT_TEST_SEED=" << taken << " repeats this run\n";
-    return taken;
-  }();
-  return seed;
-}
 
 // |z| that `tests` independent standard normal deviates all stay under with probability 1 - level
 // (Sidak's correction).

@@ -66,7 +66,7 @@ TEST(FacetLobe, AlbedoIsTheIntegralOfTheLobe) {
 }
 
 TEST(FacetLobe, IsReciprocalAndNeverBelowTheSurface) {
-  Random random(9);
+  Random random = fresh(9);
   for (int k = 0; k < 1000; ++k) {
     const auto v = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28)),
                l = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28));
@@ -78,7 +78,7 @@ TEST(FacetLobe, IsReciprocalAndNeverBelowTheSurface) {
 }
 
 TEST(WholePaint, EveryPartIsItsOwnFunction) {
-  Random random(31);
+  Random random = fresh(31);
   int shone = 0, compared = 0;
   for (int k = 0; k < 2'000; ++k) {
     TestScene scene;
@@ -142,7 +142,7 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
 }
 
 TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
-  Random random(32);
+  Random random = fresh(32);
   int won = 0;
   for (int k = 0; k < 500; ++k) {
     Paint paint = random_paint(random);
@@ -171,7 +171,7 @@ TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
 // A paint that absorbs nothing gives back all: r_s + E + M is within 0.008 of 1, which mixture.h
 // states of smooth coats; a rough one takes its share of the same sum.
 TEST(WholePaint, WhiteFurnace) {
-  Random random(33);
+  Random random = fresh(33);
   Worst smooth, rough;
   for (int k = 0; k < 200 / kFewer; ++k) {
     Paint paint = random_paint(random);
@@ -199,7 +199,7 @@ TEST(WholePaint, WhiteFurnace) {
 // same cosine. About an index of 1, where it matters, the sum is within 0.04 of 1 (700 paints at
 // those views); cosines above 1e-4 in the mixture alone once made it 0.69.
 TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
-  Random random(37);
+  Random random = fresh(37);
   Worst worst;
   for (int k = 0; k < 400 / kFewer; ++k) {
     Paint paint = random_paint(random);
@@ -222,7 +222,7 @@ TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
 // What a world of radiance 1 shows, integrated light by light, is the directional albedo; a smooth
 // coat adds its mirror.
 TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
-  Random random(34);
+  Random random = fresh(34);
   Worst worst;
   for (int k = 0; k < 24 / std::min(kFewer, 4); ++k) {
     Paint paint = random_paint(random);
@@ -245,7 +245,7 @@ TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
 }
 
 TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
-  Random random(35);
+  Random random = fresh(35);
   double square = 0;
   const int n = 20'000;
   for (int k = 0; k < n; ++k) {
@@ -266,7 +266,7 @@ TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
 
 template <class T>
 void expect_finite_everywhere() {
-  Random random(36);
+  Random random = fresh(36);
   const auto sound = [](Rgb<T> c) {
     return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z) && c.x >= 0 && c.y >= 0 &&
            c.z >= 0;
