@@ -125,6 +125,13 @@ PARTS: dict[str, Text] = {
 }
 
 
+# Which a paint always has.
+only_the_substrate = cut(
+    "  Mixture scattered = mixture(", "  stack.diffuse = scattered",
+    "  Mixture scattered = no_mixture();\n"
+    "  scattered.diffuse_albedo = given.substrate_color;\n",
+)  # fmt: skip
+
 # Under a world, without a lamp in the slots: the whole paint and the part.
 WHOLE_UNLIT = "the paint, no sparkling light"
 UNLIT_PARTS: dict[str, Text] = {"sparkles": no_sparkles}
@@ -262,16 +269,11 @@ def race(chosen: dict[str, Text], size: int, repetitions: int) -> list[bars.Bar]
 
 def race_in(bench: Bench, chosen: dict[str, Text], repetitions: int) -> list[bars.Bar]:
     bench.scene.render.use_persistent_data = True  # keeps the shader compiled
-    no_mixture = cut(
-        "  Mixture scattered = mixture(", "  stack.diffuse = scattered",
-        "  Mixture scattered = no_mixture();\n"
-        "  scattered.diffuse_albedo = given.substrate_color;\n",
-    )  # fmt: skip
     variants = {name: bench.painted(edit) for name, edit in chosen.items()}
     whole = variants.pop(next(iter(chosen)))
     variants["the paint again, for noise"] = bench.painted()
     if WHOLE in chosen:
-        variants["mixture (present; cut)"] = bench.painted(no_mixture)
+        variants["mixture (present; cut)"] = bench.painted(only_the_substrate)
         variants["Principled, metallic, coat"] = principled()
 
     report = []

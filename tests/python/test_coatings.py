@@ -11,6 +11,7 @@ from pathlib import Path
 import metallic_paint_core as core
 import numpy as np
 import pytest
+import seeds
 from coatings import table as coatings
 from coatings.colorimetry import WAVELENGTHS, linear_srgb
 from coatings.thin_film import reflect_and_transmit
@@ -46,7 +47,7 @@ def random_films(rng: np.random.Generator, count: int, absorbing: bool) -> list[
 
 
 def test_a_single_film_is_airys() -> None:
-    rng = np.random.default_rng(1)
+    rng = seeds.fresh(1)
     for i in range(300):
         [(n, thickness)] = random_films(rng, 1, absorbing=i % 2 == 0)
         medium, wavelength, cosine = rng.uniform(1, 2), rng.uniform(380, 780), rng.uniform(0.01, 1)
@@ -90,7 +91,7 @@ def test_quarter_waves_reflect_most_and_half_waves_nothing(waves: float) -> None
 
 
 def test_energy_is_kept_by_clear_films_and_lost_by_absorbing_ones() -> None:
-    rng = np.random.default_rng(2)
+    rng = seeds.fresh(2)
     for i in range(60):
         absorbing = i % 2 == 0
         films = random_films(rng, 4, absorbing)
@@ -106,7 +107,7 @@ def test_energy_is_kept_by_clear_films_and_lost_by_absorbing_ones() -> None:
 
 
 def test_light_passes_a_stack_alike_both_ways() -> None:
-    rng = np.random.default_rng(3)
+    rng = seeds.fresh(3)
     for absorbing in (False, True) * 10:
         films = random_films(rng, 4, absorbing)
         r, t = reflect_and_transmit(films, 1.5, WAVELENGTHS, COSINES)
@@ -156,7 +157,7 @@ def test_white_is_white_and_luminance_is_the_observers() -> None:
         "rows"
     ]
     _, _, y, _, d65 = np.array(rows).T
-    spectra = np.random.default_rng(4).uniform(0, 1, (len(WAVELENGTHS), 50))
+    spectra = seeds.fresh(4).uniform(0, 1, (len(WAVELENGTHS), 50))
     luminance = (y * d65) @ spectra / (y * d65).sum()
     # IEC 61966-2-1 gives its weights to four digits.
     np.testing.assert_allclose(

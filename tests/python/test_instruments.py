@@ -13,6 +13,7 @@ import math
 import metallic_paint_core as core
 import numpy as np
 import pytest
+import seeds
 from measure import goniophotometer, sparkle_camera
 from measure.goniophotometer import BATCHES, CURVE, LUMINANCE
 from metallic_paint.paint import Paint, core_paint, presets
@@ -45,7 +46,7 @@ def test_flop_index_is_its_formula_and_always_a_number_that_says_something() -> 
 
 
 def test_jackknife_of_a_mean_is_its_standard_error() -> None:
-    values = np.random.default_rng(1).normal(size=BATCHES)
+    values = seeds.fresh(5).normal(size=BATCHES)
     mean = goniophotometer.jackknife(BATCHES, lambda kept: values[kept].mean())
     assert mean.value == pytest.approx(values.mean())
     assert mean.error == pytest.approx(values.std(ddof=1) / math.sqrt(BATCHES))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import metallic_paint_core as core
 import numpy as np
 import pytest
+import seeds
 
 SUN = core.Light(core.LightKind.parallel, (0.3, 0.1, 1.0), 0.02)
 LAMP = core.Light(core.LightKind.positional, (0.0, 2.0, 3.0), 0.1)
@@ -13,7 +14,7 @@ BELOW = core.Light(core.LightKind.parallel, (0.0, 0.0, -1.0), 0.02)
 
 
 def places(n: int = 5, **changes: object) -> dict[str, object]:
-    random = np.random.default_rng()
+    random = seeds.fresh(6)
     view = random.normal(size=(n, 3)) * 0.3 + [0, 0, 1]
     return {
         "position": random.uniform(-1, 1, (n, 3)),

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import re
+import secrets
 import shutil
 import subprocess
 import time
@@ -123,6 +125,7 @@ def main() -> int:
     sessions = ["sanitized"] if asked.sanitize else chosen_sessions(nox, asked.k, asked.all)
     if not sessions:
         raise StepFailedError(f"No group of tests has “{asked.k}” in its name.")
+    seed = os.environ.setdefault("METALLIC_PAINT_TEST_SEED", str(secrets.randbits(32)))
     passed_on = [*["--all"] * asked.all, "-k", asked.k]
     code = run_limited(
         [*nox, "--report", REPORT, "--sessions", *sessions, "--", *passed_on], seconds=SECONDS
@@ -132,6 +135,7 @@ def main() -> int:
     found = list(cases())
     if not found:
         raise StepFailedError(f"Only --all runs tests of groups with “{asked.k}” in their name.")
+    say(f"METALLIC_PAINT_TEST_SEED={seed} repeats the random draws of this run")
     minutes = f"{(time.monotonic() - start) / 60:.1f} minutes"
     report(
         found, minutes if asked.all else f"{minutes}; ./paint test --all runs the long tests too"
