@@ -55,8 +55,8 @@
 //
 // The error in L* is the root mean square over 13 directions, under three slants of light, over
 // black. Its mean is 1.0; with one Lambertian lobe for all of M it would be 2.1, and 10 in 95 %.
-// The lobes know the view only: of white-pearl seen along the normal, what they show of light at
-// 70, 80 and 85 degrees is 1.03, 1.4 and 2.2 times the walk's.
+// The lobes know the view only: seen at 14 degrees under light at 75, they show 1.16 times what the
+// walk does in the median, 0.85 to 1.47 times in all.
 #pragma once
 
 #include <algorithm>

@@ -139,7 +139,8 @@ T orientation_reach(const OrientationDensity<T>& density) {
 }
 
 // Caps up to this part of the tilt in radius take P at their centre: off by (rho^2/8)
-// laplace(P)/P, 1e-3 at beta = 0 and 7e-3 at beta = 4 tilts for the Gaussian.
+// laplace(P)/P, 1e-3 at beta = 0 and 7e-3 at beta = 4 tilts for the Gaussian. A tilt above 1 rad
+// counts as 1: the half sphere ends, however even P is.
 inline constexpr double kPointCap = 1.0 / 16;
 
 // Probability that a flake's normal lies in the cap of angular radius rho about a direction at beta
@@ -152,7 +153,7 @@ inline constexpr double kPointCap = 1.0 / 16;
 template <class T, class D>
 T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2_half_rho) {
   const T square = squared_angle(std::min(sin2_half_rho, T(0.5)));
-  const T point_cap = T(kPointCap) * T(density.tilt);
+  const T point_cap = T(kPointCap) * std::min(T(density.tilt), T(1));
   if (square <= point_cap * point_cap) {
     return 2 * orientation_density(density, sin2_half_beta) * sin2_half_rho;
   }

@@ -109,7 +109,7 @@ float orientation_reach(OrientationDensity density)
 float cap_probability(OrientationDensity density, float sin2_half_beta, float sin2_half_rho)
 {
   float square = squared_angle(min(sin2_half_rho, 0.5));
-  float point_cap = POINT_CAP * density.tilt;
+  float point_cap = POINT_CAP * min(density.tilt, 1.0);
   if (square <= point_cap * point_cap)
     return 2.0 * orientation_density(density, sin2_half_beta) * sin2_half_rho;
   float node[12];
