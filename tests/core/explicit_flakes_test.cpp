@@ -318,11 +318,12 @@ TEST(ExplicitFlakes, LongModelHasTheCountsAndRadiancesOfSeveralSpecies) {
 TEST(ExplicitFlakes, LongModelIsWithinSomePerCentForWideCones) {
   Random random = fresh(101);
   struct Band {
-    double from, to, count, radiance;  // cone in tilts; relative errors
+    double from, to, count, radiance;  // cone in tilts; relative errors of all scenes together
+    double one;  // of one scene besides chance; six fresh runs found 0.06 and 0.16 at most
   };
   const double threshold = sidak_threshold(kFreshLevel, 3 * 2 * 25);
-  for (const Band& band :
-       {Band{1.0 / 16, 0.25, 0.01, 0.01}, Band{0.25, 1, 0.03, 0.03}, Band{1, 2, 0.08, 0.1}}) {
+  for (const Band& band : {Band{1.0 / 16, 0.25, 0.01, 0.01, 0.02}, Band{0.25, 1, 0.03, 0.03, 0.08},
+                           Band{1, 2, 0.08, 0.1, 0.2}}) {
     Worst counts, radiances;
     Pooled all_counts, all_radiances;
     for (int k = 0; k < 25 / std::min(kFewer, 3);) {  // a third of the scenes have no count
@@ -349,8 +350,8 @@ TEST(ExplicitFlakes, LongModelIsWithinSomePerCentForWideCones) {
       see(counts, all_counts, count / expected.mean_count, 1 / expected.mean_count);
     }
     const std::string cone = "cone_to_" + std::to_string(band.to) + "_tilts";
-    counts.expect_at_most(band.count, "count_" + cone);
-    radiances.expect_at_most(band.radiance, "radiance_" + cone);
+    counts.expect_at_most(band.one, "count_" + cone);
+    radiances.expect_at_most(band.one, "radiance_" + cone);
     all_counts.expect_at_most(band.count, "all_counts_" + cone);
     all_radiances.expect_at_most(band.radiance, "all_radiances_" + cone);
   }

@@ -135,7 +135,7 @@ mpreal mean_count(const TestScene& scene, const mpreal& norm, mpreal& places) {
   mpreal rho = pi() / 2;
   if (quarter < 2 * pi()) rho = 2 * asin(sqrt(quarter / (4 * pi())));
   mpreal probability = shape(paint, beta) / norm * quarter / (2 * pi());
-  if (!published && rho > mpreal(paint.tilt) / 16) {
+  if (!published && rho > mpreal(std::min(paint.tilt, 1.0)) / 16) {
     const auto circle = [&](const mpreal& b) -> mpreal {
       const mpreal y2 =
           sin((b + rho - beta) / 2) * sin((beta + rho - b) / 2) / (sin(beta) * sin(b));
