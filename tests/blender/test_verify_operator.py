@@ -20,7 +20,7 @@ import pytest
 from metallic_paint import verify
 from metallic_paint.interface import verify as interface
 from metallic_paint.native import core_missing
-from metallic_paint.paint import Paint, material, presets, shader
+from metallic_paint.paint import material, presets, shader
 from metallic_paint.verify import check
 from metallic_paint.verify import job as verify_job
 from metallic_paint.verify.check import VerifyError, as_found
@@ -113,8 +113,9 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
         np.array(bpy.data.images[f"Metallic Paint {name}"].pixels).reshape(SIZE, SIZE, 4)[..., :3]
         for name in PICTURES
     )
-    # A sample shows one of a pixel's cells.
-    assert (shown.max(axis=-1) > 0).sum() > SIZE * SIZE / 20 / Paint().cells_per_pixel
+    # Seen 21, as a sample shows one of a pixel's cells; of a Poisson law of that mean, 5 or fewer
+    # come once in 30,000 draws.
+    assert (shown.max(axis=-1) > 0).sum() > 5
     np.testing.assert_allclose(difference, 100 * np.abs(shown - wanted), atol=1e-4 * shown.max())
     assert scene.name in bpy.data.scenes
 
