@@ -78,7 +78,7 @@ def one_species(text: str) -> str:
     text = cut("  if (layer.species > 1) {", "  Flakes some = flakes[kind];")(text)
     text = replace("Flakes some = flakes[kind];", "Flakes some = flakes[0];")(text)
     loop = "for (int i = 0; i < layer.species; ++i) {"
-    return replace(loop, "{\n    int i = 0;")(text)
+    return replace(loop, "for (int i = 0; i < 1; ++i) {")(text)
 
 
 def one_slot(text: str) -> str:
