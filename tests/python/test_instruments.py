@@ -94,7 +94,8 @@ def test_sparkle_area_is_the_probability_of_a_sparkle() -> None:
         math.sin(sparkle_camera.LAMP_RADIUS),
     )  # fmt: skip
     mean = core.evaluate(
-        core_paint(paint), [lamp], position=[(0, 0, 0)], normal=up, view=up,
+        core_paint(dataclasses.replace(paint, anchor="pixel")), [lamp],
+        position=[(0, 0, 0)], normal=up, view=up,
         footprint=[sparkle_camera.PIXEL**2], pixel=[(0, 0)],
     )["mean_count"].item()  # fmt: skip
     assert 0.005 < mean < 0.2
