@@ -274,4 +274,44 @@ TEST(CloseUp, TheMeanOfTheLobeIsTheClosedForms) {
   means.expect_chance();
 }
 
+TEST(CloseUp, TheMeanStaysFromFlakesToCounts) {
+  // Samples anywhere on a surface whose cells grow from a quarter of a flake to four.
+  Random random(run_seed() + 3);
+  Comparisons means;
+  for (int k = 0; k < 40 / kFewer;) {
+    TestScene scene;
+    scene.paint = close_paint(random);
+    scene.paint.anchor = Anchor::surface;
+    scene.paint.radiometry = Radiometry::exact;
+    aim(scene, random, 2);
+    scene.light_sine = rounded(random.log_uniform(0.05, 0.5));
+    const Layer<double> layer = make_layer<double>(scene.paint);
+    const Flakes<double>& flakes = layer.flakes[0];
+    const double size = random.log_uniform(0.25, 4);
+    scene.footprint = size * flakes.flake_area * flakes.area.mean / layer.cell_share;
+    SurfacePoint<double> point = scene.point<double>();
+    const OwnAxes own = any_axes(random);
+    point.own.x = own.axis[0];
+    point.own.y = own.axis[1];
+    point.own.z = own.axis[2];
+    const Passage<double> way = pass_between(layer, point, scene.seen<double>());
+    const auto of_first = expect_sparkles(layer, flakes, scene.footprint, way);
+    // So many samples that about 400 show the light.
+    const double draws = 400 * of_first.mirror.y / mean_radiance(of_first).y;
+    if (!(draws < 15'000)) continue;
+    Moments found;
+    double mean = 0;
+    while (found.n < draws) {
+      point.own.position = {random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
+      const int seed = static_cast<int>(random.bits());
+      const auto all = sparkle(layer, point, look_close(layer, point, 0, seed), way, 0, 0, seed);
+      found.add(all.radiance.y);
+      mean = all.mean_radiance.y;
+    }
+    means.see(z_of(found, mean), scene);
+    ++k;
+  }
+  means.expect_chance();
+}
+
 }  // namespace
