@@ -319,11 +319,11 @@ TEST(ExplicitFlakes, LongModelIsWithinSomePerCentForWideCones) {
   Random random = fresh(101);
   struct Band {
     double from, to, count, radiance;  // cone in tilts; relative errors of all scenes together
-    double one;  // of one scene besides chance; six fresh runs found 0.06 and 0.16 at most
+    double one;  // of one scene besides chance: the worst that sparkles.h states
   };
   const double threshold = sidak_threshold(kFreshLevel, 3 * 2 * 25);
-  for (const Band& band : {Band{1.0 / 16, 0.25, 0.01, 0.01, 0.02}, Band{0.25, 1, 0.03, 0.03, 0.08},
-                           Band{1, 2, 0.08, 0.1, 0.2}}) {
+  for (const Band& band : {Band{1.0 / 16, 0.25, 0.01, 0.01, 0.09}, Band{0.25, 1, 0.03, 0.03, 0.52},
+                           Band{1, 2, 0.08, 0.1, 0.49}}) {
     Worst counts, radiances;
     Pooled all_counts, all_radiances;
     for (int k = 0; k < 25 / std::min(kFewer, 3);) {  // a third of the scenes have no count
