@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
 LEAST_WEIGHT = 1.1e-5
 
-# Error that float rounding may leave in <N> (relative) and in the uniform deviate.
-MEAN_ROUNDING = 1e-5
+# Error that float rounding may leave in <N> (relative) and in the uniform deviate. <N> holds the
+# exponential of up to -87, in float's range, which some 16 roundings of 2^-24 move by 8e-5.
+MEAN_ROUNDING = 1e-4
 UNIFORM_ROUNDING = 1e-6
 CELL_ROUNDING = 3e-6  # of a cell's share of its parent, as a change of the footprint
 FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/expected_sparkles.h
