@@ -75,8 +75,8 @@ void bind_evaluate(py::module_& module) {
 position (n, 3): in scene units, at most 1e30; normal and view (n, 3): unit vectors, view towards
 the observer; zero for a pixel without surface. footprint (n,): area of the pixel's projection on
 the surface, 0 to 1e30 m2. pixel (n, 2): whole coordinates x and y, 32-bit.
-own_position (n, 3): where the points lie in the object's own space, m, at most 1e30; as position
-says if not given. own_axes (n, 3, 3): that space's axes x, y, z as unit vectors of the world; the
+own_position (n, 3): where the points lie in the object's own space, m, at most 1e30. If it is not
+given, sparkles belong to the pixels, whatever the Anchor. own_axes (n, 3, 3): that space's axes x, y, z as unit vectors of the world; the
 world's own if not given. instance (n,): tells copies of an object apart, 32-bit; 0 if not given.
 With Anchor pixel the deviates depend on pixel, light number, species, paint.frame and paint.seed
 alone; with Anchor surface, whose counts are those of the cell in which the point lies, on its place

@@ -9,9 +9,9 @@
 #include "module.h"
 
 struct Places {
-  Array<double> position, normal, view, footprint, own_position;
+  Array<double> position, normal, view, footprint;
   Array<std::int32_t> pixel;
-  std::optional<Array<double>> own_axes;
+  std::optional<Array<double>> own_position, own_axes;
   std::optional<Array<std::int32_t>> instance;
 
   // The last three may be None. Values are checked by validate(batch()).
@@ -22,8 +22,8 @@ struct Places {
         normal(numbers("normal", normals)),
         view(numbers("view", views)),
         footprint(numbers("footprint", footprints)),
-        own_position(own_positions.is_none() ? position : numbers("own_position", own_positions)),
         pixel(whole_numbers("pixel", pixels)) {
+    if (!own_positions.is_none()) own_position = numbers("own_position", own_positions);
     if (!axes.is_none()) own_axes = numbers("own_axes", axes);
     if (!instances.is_none()) instance = whole_numbers("instance", instances);
     require_one_dimension("footprint", footprint);
@@ -32,7 +32,7 @@ struct Places {
     require_shape("normal", normal, {n, 3});
     require_shape("view", view, {n, 3});
     require_shape("pixel", pixel, {n, 2});
-    require_shape("own_position", own_position, {n, 3});
+    if (own_position) require_shape("own_position", *own_position, {n, 3});
     if (own_axes) require_shape("own_axes", *own_axes, {n, 3, 3});
     if (instance) require_shape("instance", *instance, {n});
   }
@@ -46,7 +46,7 @@ struct Places {
             view.data(),
             footprint.data(),
             pixel.data(),
-            own_position.data(),
+            own_position ? own_position->data() : nullptr,
             own_axes ? own_axes->data() : nullptr,
             instance ? instance->data() : nullptr,
             slant};

@@ -75,7 +75,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
          *to_glossy = glossy.mutable_data(), *to_alpha = alpha.mutable_data(),
          *to_texture = texture.mutable_data(), *to_bent = bent.mutable_data();
   interruptible([&](const std::stop_token& stop) {
-    const Layer<double> layer = make_layer<double>(paint);
+    const Layer<double> layer = layer_under<double>(paint, places.batch());
     const auto shade_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);
@@ -148,7 +148,7 @@ py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle p
   double *to_reflectance = reflectances.mutable_data(), *to_mirror = mirror.mutable_data(),
          *to_albedo = albedo.mutable_data();
   interruptible([&](const std::stop_token& stop) {
-    const Layer<double> layer = make_layer<double>(paint);
+    const Layer<double> layer = layer_under<double>(paint, places.batch());
     const auto reflect_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);

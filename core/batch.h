@@ -23,7 +23,7 @@ struct PixelBatch {
   const double* view;                      // n x 3, unit, towards the observer
   const double* footprint;                 // n, m2
   const std::int32_t* pixel;               // n x 2
-  const double* own_position;              // n x 3, m
+  const double* own_position = nullptr;    // n x 3, m: position, and Anchor::pixel, if not given
   const double* own_axes = nullptr;        // n x 3 x 3, unit: the world's axes if not given
   const std::int32_t* instance = nullptr;  // n: 0 if not given
   const double* slant = nullptr;  // n x lights x 3: optical depth t H in place of the layer's own
@@ -35,6 +35,14 @@ Vec3<T> vector_at(const double* array, std::size_t i) {
           static_cast<T>(array[3 * i + 2])};
 }
 
+// Sparkles of pixels that do not know where on the paint they lie belong to the pixels.
+template <class T>
+Layer<T> layer_under(const Paint& paint, const PixelBatch& batch) {
+  Layer<T> layer = make_layer<T>(paint);
+  if (batch.own_position == nullptr) layer.anchor = Anchor::pixel;
+  return layer;
+}
+
 template <class T>
 SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
   SurfacePoint<T> point{vector_at<T>(batch.position, i),
@@ -43,7 +51,8 @@ SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
                         static_cast<T>(batch.footprint[i]),
                         batch.pixel[2 * i],
                         batch.pixel[2 * i + 1]};
-  point.own.position = vector_at<T>(batch.own_position, i);
+  point.own.position =
+      vector_at<T>(batch.own_position != nullptr ? batch.own_position : batch.position, i);
   if (batch.own_axes != nullptr) {
     point.own.x = vector_at<T>(batch.own_axes, 3 * i);
     point.own.y = vector_at<T>(batch.own_axes, 3 * i + 1);
@@ -74,7 +83,7 @@ template <class T>
 void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
                      std::size_t species, const PixelBatch& batch, const PixelResults& results,
                      const std::stop_token& stop = {}) {
-  const Layer<T> layer = make_layer<T>(paint);
+  const Layer<T> layer = layer_under<T>(paint, batch);
   std::vector<Light<T>> slots;
   for (const Light<double>& light : lights) {
     slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});

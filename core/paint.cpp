@@ -147,7 +147,7 @@ void validate(const PixelBatch& batch, std::size_t lights) {
     require_unit_or_zero("normal", batch.normal + 3 * i, i);
     require_unit_or_zero("view", batch.view + 3 * i, i);
     require_range(at_row("footprint", i), batch.footprint[i], 0, 1e30, " m2");
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; batch.own_position != nullptr && c < 3; ++c) {
       require_range(at_row("own_position", i), batch.own_position[3 * i + c], -1e30, 1e30, " m");
     }
     for (std::size_t c = 0; batch.own_axes != nullptr && c < 3; ++c) {

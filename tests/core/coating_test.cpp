@@ -19,8 +19,8 @@
 namespace {
 
 using namespace metallic_paint;
-using core_tests::fresh;
 using core_tests::Random;
+using core_tests::same_scenes;
 using core_tests::Worst;
 
 template <class T>
@@ -37,7 +37,7 @@ double largest(Rgb<double> difference) {
 
 template <class Visit>
 void at_random_places(const Visit& visit) {
-  Random random = fresh(5);
+  Random random = same_scenes(5);
   for (int kind = 1; kind < kCoatingKinds; ++kind) {
     for (int i = 0; i < 4000; ++i) {
       const double nm = random.uniform(0, 200);

@@ -195,7 +195,7 @@ double slope_of_density(const TestScene& scene) {
 
 template <class T>
 void expect_stable(const std::string& type, int mode, double ulps) {
-  Random random = fresh(51);
+  Random random = same_scenes(51);
   Worst count, mean, variance;
   for (int k = 0; k < 3'000; ++k) {
     TestScene scene;

@@ -12,9 +12,9 @@
 namespace {
 
 using namespace metallic_paint;
-using core_tests::fresh;
 using core_tests::Random;
 using core_tests::relative_error;
+using core_tests::same_scenes;
 using core_tests::Worst;
 using Real = long double;
 
@@ -238,7 +238,7 @@ TEST(Orientation, ProjectedAreaIsAShareNotBelowThatOfTheFronts) {
 double half_square(double angle) { return std::pow(std::sin(angle / 2), 2); }
 
 TEST(CapProbability, MatchesAnIndependentIntegral) {
-  Random random = fresh(14);
+  Random random = same_scenes(14);
   Worst wide, narrow;
   for (int k = 0; k < 240; ++k) {
     const auto kind = static_cast<Orientation>(k % 3);
@@ -289,7 +289,7 @@ TEST(CapProbability, OfASpikeIsOneInsideAndNothingOutside) {
 }
 
 TEST(CapProbability, OfNarrowCapsIsTheDensityAtTheirCentre) {
-  Random random = fresh(15);
+  Random random = same_scenes(15);
   Worst jump;
   for (int k = 0; k < 3'000; ++k) {
     const auto kind = static_cast<Orientation>(k % 3);

@@ -12,9 +12,9 @@
 namespace {
 
 using namespace metallic_paint;
-using core_tests::fresh;
 using core_tests::Random;
 using core_tests::relative_error;
+using core_tests::same_scenes;
 using core_tests::spherical;
 using core_tests::ulps;
 using core_tests::Worst;
@@ -172,7 +172,7 @@ TEST(Refraction, LightPassesBothWaysAlike) {
 }
 
 TEST(Refraction, MirrorLiesBetweenTheRefractedDirections) {
-  Random random = fresh(1);
+  Random random = same_scenes(1);
   Worst cosine, angle, float_cosine, float_angle;
   for (int i = 0; i < 20'000; ++i) {
     const double eta = random.uniform(0.5, 4);

@@ -100,6 +100,10 @@ inline std::uint32_t run_seed() {
 // Of a test's own stream, others in each run.
 inline Random fresh(std::uint64_t stream) { return Random(run_seed() + (stream << 32)); }
 
+// Of a sweep for the largest rounding error, in which nothing is a matter of chance but the scenes:
+// the same ones in each run, so that what fails once fails again. Its bars come from fresh ones.
+inline Random same_scenes(std::uint64_t stream) { return Random(stream); }
+
 // Of a statistical test as a whole, all its comparisons together, where another run cannot find
 // anything else: what the hash draws for the same keys.
 inline constexpr double kLevel = 1e-3;

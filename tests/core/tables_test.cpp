@@ -52,7 +52,7 @@ TEST(Tables, ProjectionHoldsItsStatedError) {
 }
 
 TEST(Tables, ProjectionStandsInForTheExactProjection) {
-  core_tests::Random random = core_tests::fresh(30);
+  core_tests::Random random = core_tests::same_scenes(30);
   Worst worst;
   for (int k = 0; k < 200; ++k) {
     core_tests::TestScene scene;

@@ -66,7 +66,7 @@ TEST(FacetLobe, AlbedoIsTheIntegralOfTheLobe) {
 }
 
 TEST(FacetLobe, IsReciprocalAndNeverBelowTheSurface) {
-  Random random = fresh(9);
+  Random random = same_scenes(9);
   for (int k = 0; k < 1000; ++k) {
     const auto v = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28)),
                l = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28));
@@ -171,7 +171,7 @@ TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
 // A paint that absorbs nothing gives back all: r_s + E + M is within 0.008 of 1, which mixture.h
 // states of smooth coats; a rough one takes its share of the same sum.
 TEST(WholePaint, WhiteFurnace) {
-  Random random = fresh(33);
+  Random random = same_scenes(33);
   Worst smooth, rough;
   for (int k = 0; k < 200 / kFewer; ++k) {
     Paint paint = random_paint(random);
@@ -199,7 +199,7 @@ TEST(WholePaint, WhiteFurnace) {
 // same cosine. About an index of 1, where it matters, the sum is within 0.04 of 1 (700 paints at
 // those views); cosines above 1e-4 in the mixture alone once made it 0.69.
 TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
-  Random random = fresh(37);
+  Random random = same_scenes(37);
   Worst worst;
   for (int k = 0; k < 400 / kFewer; ++k) {
     Paint paint = random_paint(random);
@@ -222,7 +222,7 @@ TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
 // What a world of radiance 1 shows, integrated light by light, is the directional albedo; a smooth
 // coat adds its mirror.
 TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
-  Random random = fresh(34);
+  Random random = same_scenes(34);
   Worst worst;
   for (int k = 0; k < 24 / std::min(kFewer, 4); ++k) {
     Paint paint = random_paint(random);
@@ -245,7 +245,7 @@ TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
 }
 
 TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
-  Random random = fresh(35);
+  Random random = same_scenes(35);
   double square = 0;
   const int n = 20'000;
   for (int k = 0; k < n; ++k) {

@@ -60,10 +60,9 @@ def sparkle_pictures(paint: Paint, light: float, side: int) -> Iterator[np.ndarr
     up = np.tile(direction(0), (n, 1))
     lamp = core.Light(core.LightKind.parallel, direction(light), math.sin(LAMP_RADIUS))
     rows, columns = np.divmod(np.arange(n), side)
-    by_pixel = core_paint(dataclasses.replace(paint, anchor="pixel"))  # the camera's own
     for batch in range(BATCHES):
         drawn = core.evaluate(
-            by_pixel, [lamp], position=np.zeros((n, 3)), normal=up, view=up,
+            core_paint(paint), [lamp], position=np.zeros((n, 3)), normal=up, view=up,
             footprint=np.full(n, PIXEL**2), pixel=np.stack([columns + side * batch, rows], axis=1),
         )["radiance"]  # fmt: skip
         # A perfect diffuser under the lamp has the radiance cos(light)/pi.

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,10 +42,9 @@ def expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Exp
         "footprint": seen.footprint, "pixel": np.zeros((len(seen.footprint), 2), np.int32),
     }  # fmt: skip
     counts = np.zeros((len(seen.footprint), len(slots)))
-    by_pixel = core_paint(dataclasses.replace(paint, anchor="pixel"))  # the sum of its cells
     for species, each in enumerate(paint.species):
         if each.flakes_per_mm2 > 0:
-            found = core.evaluate(by_pixel, slots, species=species, **given)
+            found = core.evaluate(core_paint(paint), slots, species=species, **given)
             counts += found["mean_count"]
     counts *= [not lamp.hide_render for lamp in lamps]  # as it may be at this frame
     total = counts.sum(axis=1)
