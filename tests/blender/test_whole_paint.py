@@ -126,7 +126,9 @@ NEAR = dataclasses.replace(
 @pytest.mark.parametrize("composition", ["exact", "published"])
 def test_a_pixel_shows_the_sum_or_the_greater_of_sparkles_and_the_rest(composition: str) -> None:
     """The rest is what the same paint shows where its slots are empty, so that nothing sparkles."""
-    probe = probe_of(NEAR)
+    # Whole pixels sparkle or do not: of cells, the mean of a pixel would hide which.
+    paint = dataclasses.replace(NEAR.paint, anchor="pixel")
+    probe = probe_of(dataclasses.replace(NEAR, paint=paint))
     probe.scene.cycles.pixel_filter_type = "BOX"
     lights.show_other_light(False)  # or, without its slot, the flakes would show the lamp's mean
     sparkles = probe.image(verify.SPARKLES) @ LUMINANCE  # whole, as they are with "exact"
@@ -247,7 +249,7 @@ def test_a_texture_can_drive_the_substrate() -> None:
 
 
 def test_texture_makes_the_diffuse_light_uneven_and_keeps_its_mean() -> None:
-    paint = dataclasses.replace(LIT.paint, texture_contrast=0.05)
+    paint = dataclasses.replace(LIT.paint, texture_contrast=0.05, anchor="pixel")
     plane = dataclasses.replace(PLANE, lamps=LIT.lamps, width=0.05, elevation=50, paint=paint)
     probe = probe_of(plane)
     factor = probe.image(verify.TEXTURE)[..., 0]
