@@ -53,11 +53,22 @@ Vec3<T> own_direction(const OwnSpace<T>& own, Vec3<T> d) {
   return {dot(own.x, d), dot(own.y, d), dot(own.z, d)};
 }
 
-// The axis of the own space that is nearest to a direction in it: 0, 1 or 2.
+// The plane of a lattice, across that axis of the own space which is nearest to the normal.
+struct LatticePlane {
+  int w;     // that axis: 0, 1 or 2
+  int u, v;  // the axes in the plane
+  int face;  // w, and 3 more on the other face of a sheet
+};
 template <class T>
-int nearest_axis(Vec3<T> d) {
-  if (std::abs(d.z) > std::max(std::abs(d.x), std::abs(d.y))) return 2;
-  return std::abs(d.y) > std::abs(d.x) ? 1 : 0;
+LatticePlane lattice_plane(Vec3<T> n) {
+  const T normal[3] = {n.x, n.y, n.z};
+  LatticePlane plane{};
+  if (std::abs(n.y) > std::abs(n.x)) plane.w = 1;
+  if (std::abs(n.z) > std::max(std::abs(n.x), std::abs(n.y))) plane.w = 2;
+  plane.u = (plane.w + 1) % 3;
+  plane.v = (plane.w + 2) % 3;
+  plane.face = normal[plane.w] < 0 ? plane.w + 3 : plane.w;
+  return plane;
 }
 
 // What tells the flakes of one species in one object, or the texture of it, from others.
@@ -124,16 +135,13 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T cosine = dot(point.normal, point.view);
   const Vec3<T> t = own_direction(own, point.view - point.normal * cosine);
 
-  // (u, v) in the plane, w along the axis that is nearest to the normal.
+  const LatticePlane plane = lattice_plane(n);
   const T normal[3] = {n.x, n.y, n.z}, across[3] = {t.x, t.y, t.z};
   const T place[3] = {own.position.x, own.position.y, own.position.z};
-  int axis = nearest_axis(n);
-  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-  const T n_u = normal[next], n_v = normal[last], n_w = normal[axis];
-  const T t_u = across[next], t_v = across[last];
-  const T u = place[next], v = place[last], w = place[axis];
-  if (n_w < 0) axis = axis + 3;  // the other face of a sheet
-  const T facing = std::clamp(std::abs(n_w), T(0.5), T(1));
+  const T n_u = normal[plane.u], n_v = normal[plane.v];
+  const T t_u = across[plane.u], t_v = across[plane.v];
+  const T u = place[plane.u], v = place[plane.v], w = place[plane.w];
+  const T facing = std::clamp(std::abs(normal[plane.w]), T(0.5), T(1));
 
   const T pixel = std::clamp(point.footprint, T(1e-20), T(1e6)) * share;
   const T size = pixel + least;
@@ -152,10 +160,11 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   int level[2];
   for (int i = 0; i < 2; ++i) {
     const Octave<T> parent = octave_of(sizes[i]);
-    const HashWords words = pcg4d({lattice_word(std::floor(u / parent.side)) ^ stream.x,
-                                   lattice_word(std::floor(v / parent.side)) ^ stream.y,
-                                   stream.z + static_cast<std::uint32_t>(i),
-                                   stream.w + static_cast<std::uint32_t>(parent.level * 8 + axis)});
+    const HashWords words =
+        pcg4d({lattice_word(std::floor(u / parent.side)) ^ stream.x,
+               lattice_word(std::floor(v / parent.side)) ^ stream.y,
+               stream.z + static_cast<std::uint32_t>(i),
+               stream.w + static_cast<std::uint32_t>(parent.level * 8 + plane.face)});
     const Octave<T> own_side = settled(parent, sizes[i], words.x);
     side[i] = own_side.side;
     level[i] = own_side.level;
@@ -164,7 +173,7 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   Cell<T> cell;
   cell.area = side[0] * side[1] / facing;
   const T column = T(kColumn) * std::max(side[0], side[1]);
-  const int kind = (level[0] * 256 + level[1]) * 8 + axis;
+  const int kind = (level[0] * 256 + level[1]) * 8 + plane.face;
   cell.key = pcg4d({lattice_word(std::floor(u / side[0])) ^ stream.x,
                     lattice_word(std::floor(v / side[1])) ^ stream.y,
                     lattice_word(std::floor(w / column)) ^ stream.z,

@@ -296,19 +296,17 @@ std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const Surf
   if (!(g_view > 0)) return firsts;
   const Vec3<T> inside = (point.view + point.normal * (g_view - cos_view)) / layer.eta;
   const OwnSpace<T>& own = point.own;
-  const Vec3<T> n = own_direction(own, point.normal);
-  const T normal[3] = {n.x, n.y, n.z};
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const Vec3<T> axes[3] = {own.x, own.y, own.z};
-  const int axis = nearest_axis(n), next = (axis + 1) % 3, last = (axis + 2) % 3;
-  const LatticePoint<T> at{place[next], place[last], axes[next], axes[last]};
+  const LatticePlane plane = lattice_plane(own_direction(own, point.normal));
+  const LatticePoint<T> at{place[plane.u], place[plane.v], axes[plane.u], axes[plane.v]};
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
     const T wanted = std::clamp(point.footprint, T(1e-20), T(1e6)) * layer.cell_share;
     const T size = wanted / (flakes.flake_area * flakes.area.mean);
     if (!(point.footprint > 0) || !(size < 2)) continue;
     HashWords key = own_stream(layer, own, i, frame, seed);
-    key.z = key.z + static_cast<std::uint32_t>(normal[axis] < 0 ? axis + 3 : axis);
+    key.z = key.z + static_cast<std::uint32_t>(plane.face);
     firsts[static_cast<std::size_t>(i)] =
         first_flake(layer, flakes, point.normal, inside, at, size, key);
   }

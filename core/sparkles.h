@@ -64,18 +64,21 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
   for (int i = 0; i < layer.species; ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     const Flakes<T>& flakes = layer.flakes[at];
-    T area = point.footprint;
-    HashWords key = stream_key(light, i, frame, seed);
-    int x = point.pixel_x, y = point.pixel_y;
     const FirstFlake<T>& first = firsts[at];
-    if (layer.anchor == Anchor::surface && way.open && !first.close) {
+    T area = point.footprint;
+    HashWords key{};
+    int x = 0, y = 0;
+    if (layer.anchor == Anchor::pixel) {
+      key = stream_key(light, i, frame, seed);
+      x = point.pixel_x;
+      y = point.pixel_y;
+    } else if (way.open && !first.close) {
       const Cell<T> cell = find_cell(point, layer.cell_share, flakes.flake_area * flakes.area.mean,
                                      own_stream(layer, point.own, i, frame, seed));
       const Wide<T> cone = quarter_cone(cone_in_binder(flakes, way), way);
       area = cell.area;
       key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
                          static_cast<T>(cone));
-      x = y = 0;
     }
     const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
     Sparkles<T> drawn;

@@ -21,11 +21,27 @@ vector own_direction(OwnSpace own, vector d)
   return vector(inner_product(own.x, d), inner_product(own.y, d), inner_product(own.z, d));
 }
 
-int nearest_axis(vector d)
+struct LatticePlane {
+  int w;
+  int u;
+  int v;
+  int face;
+};
+
+LatticePlane lattice_plane(vector n)
 {
-  if (fabs(d[2]) > max(fabs(d[0]), fabs(d[1])))
-    return 2;
-  return fabs(d[1]) > fabs(d[0]) ? 1 : 0;
+  LatticePlane plane;
+  plane.w = 0;
+  if (fabs(n[1]) > fabs(n[0]))
+    plane.w = 1;
+  if (fabs(n[2]) > max(fabs(n[0]), fabs(n[1])))
+    plane.w = 2;
+  plane.u = (plane.w + 1) % 3;
+  plane.v = (plane.w + 2) % 3;
+  plane.face = plane.w;
+  if (n[plane.w] < 0.0)
+    plane.face = plane.w + 3;
+  return plane;
 }
 
 HashWords own_stream(Layer layer, OwnSpace own, int kind, int frame, int seed)
@@ -82,20 +98,15 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float cosine = inner_product(surface.n, surface.view);
   vector t = own_direction(own, surface.view - surface.n * cosine);
 
-  int axis = nearest_axis(n);
-  int next = (axis + 1) % 3;
-  int last = (axis + 2) % 3;
-  float n_u = n[next];
-  float n_v = n[last];
-  float n_w = n[axis];
-  float t_u = t[next];
-  float t_v = t[last];
-  float u = own.position[next];
-  float v = own.position[last];
-  float w = own.position[axis];
-  if (n_w < 0.0)
-    axis = axis + 3;
-  float facing = clamp(fabs(n_w), 0.5, 1.0);
+  LatticePlane plane = lattice_plane(n);
+  float n_u = n[plane.u];
+  float n_v = n[plane.v];
+  float t_u = t[plane.u];
+  float t_v = t[plane.v];
+  float u = own.position[plane.u];
+  float v = own.position[plane.v];
+  float w = own.position[plane.w];
+  float facing = clamp(fabs(n[plane.w]), 0.5, 1.0);
 
   float pixel = clamp(surface.footprint, 1e-20, 1e6) * share;
   float size = pixel + least;
@@ -114,7 +125,7 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
     Octave parent = octave_of(sizes[i]);
     HashWords words = pcg4d(lattice_word(floor(u / parent.side)) ^ stream.x,
                             lattice_word(floor(v / parent.side)) ^ stream.y, stream.z + i,
-                            stream.w + (parent.level * 8 + axis));
+                            stream.w + (parent.level * 8 + plane.face));
     Octave own_side = settled(parent, sizes[i], words.x);
     side[i] = own_side.side;
     level[i] = own_side.level;
@@ -123,7 +134,7 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   Cell cell;
   cell.area = side[0] * side[1] / facing;
   float column = COLUMN * max(side[0], side[1]);
-  int kind = (level[0] * 256 + level[1]) * 8 + axis;
+  int kind = (level[0] * 256 + level[1]) * 8 + plane.face;
   cell.key = pcg4d(lattice_word(floor(u / side[0])) ^ stream.x,
                    lattice_word(floor(v / side[1])) ^ stream.y,
                    lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);

@@ -253,16 +253,13 @@ void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int f
     return;
   vector inside = (surface.view + surface.n * (g_view - cos_view)) / layer.eta;
   OwnSpace own = surface.own;
-  vector n = own_direction(own, surface.n);
   vector axes[3] = {own.x, own.y, own.z};
-  int axis = nearest_axis(n);
-  int next = (axis + 1) % 3;
-  int last = (axis + 2) % 3;
+  LatticePlane plane = lattice_plane(own_direction(own, surface.n));
   LatticePoint at;
-  at.a = own.position[next];
-  at.b = own.position[last];
-  at.towards_a = axes[next];
-  at.towards_b = axes[last];
+  at.a = own.position[plane.u];
+  at.b = own.position[plane.v];
+  at.towards_a = axes[plane.u];
+  at.towards_b = axes[plane.v];
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
     float wanted = clamp(surface.footprint, 1e-20, 1e6) * layer.cell_share;
@@ -270,7 +267,7 @@ void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int f
     if (!(surface.footprint > 0.0) || !(size < 2.0))
       continue;
     HashWords key = own_stream(layer, own, i, frame, seed);
-    key.z = key.z + (n[axis] < 0.0 ? axis + 3 : axis);
+    key.z = key.z + plane.face;
     firsts[i] = first_flake(layer, some, surface.n, inside, at, size, key);
   }
 }

@@ -32,19 +32,22 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   int only_mean = blurred || !(layer.sparkle_contrast > 0.0);
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
-    float area = surface.footprint;
-    HashWords key = stream_key(light, i, frame, seed);
-    int x = surface.pixel_x;
-    int y = surface.pixel_y;
     FirstFlake first = firsts[i];
-    if (layer.anchor == ANCHOR_SURFACE && way.open && !first.close) {
+    float area = surface.footprint;
+    HashWords key;
+    int x = 0;
+    int y = 0;
+    if (layer.anchor == ANCHOR_PIXEL) {
+      key = stream_key(light, i, frame, seed);
+      x = surface.pixel_x;
+      y = surface.pixel_y;
+    }
+    else if (way.open && !first.close) {
       Cell cell = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
                             own_stream(layer, surface.own, i, frame, seed));
       float cone = quarter_cone(cone_in_binder(some, way), way);
       area = cell.area;
       key = about_normal(cell.key, own_direction(surface.own, way.mirror.flake_normal), cone);
-      x = 0;
-      y = 0;
     }
     ExpectedSparkles expected = expect_sparkles(layer, some, library, area, way);
     color mean = color(0.0);

@@ -30,19 +30,11 @@ constexpr double kPi = std::numbers::pi;
 struct Frame {
   Vec3<double> n, a, b;
 };
-Vec3<double> cross(Vec3<double> a, Vec3<double> b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Vec3<double> anywhere(Random& random) {
-  const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * kPi);
-  const double s = std::sqrt((1 - z) * (1 + z));
-  return {s * std::cos(phi), s * std::sin(phi), z};
-}
 Frame any_frame(Random& random) {
   Frame frame;
-  frame.n = anywhere(random);
-  Vec3<double> a = cross(frame.n, anywhere(random));
-  while (length(a) < 1e-3) a = cross(frame.n, anywhere(random));
+  frame.n = any_direction(random);
+  Vec3<double> a = cross(frame.n, any_direction(random));
+  while (length(a) < 1e-3) a = cross(frame.n, any_direction(random));
   frame.a = a / length(a);
   frame.b = cross(frame.n, frame.a);
   return frame;

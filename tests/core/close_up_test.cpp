@@ -24,12 +24,6 @@ using namespace core_tests;
 
 constexpr double kPi = std::numbers::pi;
 
-Vec3<double> any_direction(Random& random) {
-  const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * kPi);
-  const double sine = std::sqrt((1 - z) * (1 + z));
-  return {sine * std::cos(phi), sine * std::sin(phi), z};
-}
-
 // The axes of an own space anywhere in the world.
 struct OwnAxes {
   Vec3<double> axis[3];

@@ -74,6 +74,12 @@ inline std::ostream& operator<<(std::ostream& out, const TestScene& s) {
              << s.footprint << " m2]";
 }
 
+inline Vec3<double> any_direction(Random& random) {
+  const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * std::numbers::pi);
+  const double sine = std::sqrt((1 - z) * (1 + z));
+  return {sine * std::cos(phi), sine * std::sin(phi), z};
+}
+
 inline double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }
 inline Rgb<double> rounded(Rgb<double> v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 

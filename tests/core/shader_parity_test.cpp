@@ -226,7 +226,7 @@ ParityScene random_scene(Random& random) {
       const Vec3<float> y = across / length(across);
       scene.point.own.x = x;
       scene.point.own.y = y;
-      scene.point.own.z = {x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x};
+      scene.point.own.z = cross(x, y);
     }
   }
   scene.point.own.instance = static_cast<int>(random.bits());

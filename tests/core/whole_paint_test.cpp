@@ -168,18 +168,23 @@ TEST(WholePaint, PublishedShowsTheGreaterOfSparklesAndTheRest) {
   EXPECT_LT(won, 450);
 }
 
+Paint lossless_paint(Random& random) {
+  Paint paint = random_paint(random);
+  paint.flake_color = paint.flake_edge_color = {1, 1, 1};
+  paint.flake_transmission = {};
+  paint.binder_absorption_per_mm = {};
+  paint.substrate_color = {1, 1, 1};
+  paint.radiometry = Radiometry::exact;
+  return paint;
+}
+
 // A paint that absorbs nothing gives back all: r_s + E + M is within 0.008 of 1, which mixture.h
 // states of smooth coats; a rough one takes its share of the same sum.
 TEST(WholePaint, WhiteFurnace) {
   Random random = same_scenes(33);
   Worst smooth, rough;
   for (int k = 0; k < 200 / kFewer; ++k) {
-    Paint paint = random_paint(random);
-    paint.flake_color = paint.flake_edge_color = {1, 1, 1};
-    paint.flake_transmission = {};
-    paint.binder_absorption_per_mm = {};
-    paint.substrate_color = {1, 1, 1};
-    paint.radiometry = Radiometry::exact;
+    Paint paint = lossless_paint(random);
     paint.binder_ior = random.uniform(1.3, 1.8);
     const double cosine = random.uniform(0.1, 1);
     const auto point = seen_at(cosine);
@@ -202,12 +207,7 @@ TEST(WholePaint, WhiteFurnaceAtGrazingViews) {
   Random random = same_scenes(37);
   Worst worst;
   for (int k = 0; k < 400 / kFewer; ++k) {
-    Paint paint = random_paint(random);
-    paint.flake_color = paint.flake_edge_color = {1, 1, 1};
-    paint.flake_transmission = {};
-    paint.binder_absorption_per_mm = {};
-    paint.substrate_color = {1, 1, 1};
-    paint.radiometry = Radiometry::exact;
+    Paint paint = lossless_paint(random);
     paint.binder_ior = random.below(2) == 0 ? 1 : 1 + random.log_uniform(1e-8, 1e-3);
     const double cosine = random.log_uniform(1e-9, 1e-2);
     const auto point = seen_at(cosine);
