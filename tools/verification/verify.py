@@ -61,7 +61,8 @@ class Sums:
         self.square += square.sum(axis=0)
         self.variance += variance.sum(axis=0)
         self.fourth += ((square - variance) ** 2).sum(axis=0)
-        self.sparkles += float(predicted["mean_count"][:, light].sum())
+        leader = np.maximum(predicted["leader"][:, [light]], 0)  # whose sparkles this light shows
+        self.sparkles += float(np.take_along_axis(predicted["mean_count"], leader, axis=1).sum())
 
     def standard_errors(self) -> float:
         # Seen from afar nothing fluctuates: then rounding is left.
