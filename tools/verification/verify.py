@@ -380,6 +380,7 @@ def main() -> int:
     if not scenes:
         print(f"No scene has “{arguments.only}” in its name.", file=sys.stderr)
         return 2
+    arguments.out.mkdir(parents=True, exist_ok=True)
     _send_chatter_to(arguments.out / "blender.log")
     report = [] if arguments.only else [hashes.check(blender())]
     for number, spec in enumerate(scenes, 1):
