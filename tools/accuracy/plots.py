@@ -6,22 +6,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
-from PIL import Image
+from common.figures import COLOUR, DARK, GREY, STYLE, save
+from matplotlib.axes import Axes
 
 from accuracy.results import EXACT, SUM, TOGETHER, Choice, Results, encoded, flip_map
 
-mpl.use("Agg")
-import matplotlib.pyplot as plt
-from matplotlib.axes import Axes
-
-COLOUR, GREY, DARK = "#0b6fb8", "#a0a0a0", "#303030"
 NONE = EXACT / 4  # where an error of nothing is drawn
-STYLE = {
-    "font.size": 9, "axes.titlesize": 10, "axes.grid": True, "grid.color": "#e4e4e4",
-    "axes.axisbelow": True, "savefig.facecolor": "white", "legend.frameon": False,
-}  # fmt: skip
 PARTS = {"coverage": "coverage D·H·⟨S⟩"}
 
 
@@ -31,13 +23,6 @@ def draw_all(results: Results, folder: Path) -> None:
         _draws(results, folder / "draws.png")
         _depth(results, folder / "depth.png")
         _pictures(results, folder / "pictures.png")
-
-
-def _save(figure: plt.Figure, file: Path) -> None:
-    figure.savefig(file, dpi=110)
-    plt.close(figure)
-    with Image.open(file) as image:  # a palette holds these colours in a third of the bytes
-        image.convert("RGB").quantize(256).save(file, optimize=True)
 
 
 def _choices(results: Results, file: Path) -> None:
@@ -66,7 +51,7 @@ def _choices(results: Results, file: Path) -> None:
         "error of the distribution of a pixel's radiance, in its standard deviations "
         "(worst scene); at the foot: none"
     )
-    _save(figure, file)
+    save(figure, file)
 
 
 def _against_traced(axes: Axes, results: Results) -> None:
@@ -168,7 +153,7 @@ def _draws(results: Results, file: Path) -> None:
         axes.set_yscale("log")
         axes.set_ylim(low, high)  # with room for the legend
         axes.legend(fontsize=8, ncols=2, loc="upper center")
-    _save(figure, file)
+    save(figure, file)
 
 
 def _depth(results: Results, file: Path) -> None:
@@ -198,7 +183,7 @@ def _depth(results: Results, file: Path) -> None:
     grid[0, 0].legend(loc="lower left")
     for axes in grid[0]:
         axes.set_ylim(0, 1.02)
-    _save(figure, file)
+    save(figure, file)
 
 
 def _mean_share(share: dict[str, float]) -> float:
@@ -240,7 +225,7 @@ def _pictures(results: Results, file: Path) -> None:
         axes.set_xticks([])
         axes.set_yticks([])
         axes.grid(visible=False)
-    _save(figure, file)
+    save(figure, file)
 
 
 CROP = 112  # pixels along a side

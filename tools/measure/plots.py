@@ -6,25 +6,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
+from common.figures import DARK, STYLE
+from matplotlib.axes import Axes
 
 from measure.goniophotometer import ANGLES, CURVE, LUMINANCE, Goniogram
 from measure.sparkle_camera import LIGHTS, PIXEL, Sparkle
-
-mpl.use("Agg")
-import matplotlib.pyplot as plt
-from matplotlib.axes import Axes
 
 if TYPE_CHECKING:
     from measure.report import Measurement
 
 CHANNELS = ("#d03030", "#2e9e40", "#2b5fd0")
-DARK = "#303030"
-STYLE = {
-    "font.size": 9, "axes.titlesize": 10, "axes.grid": True, "grid.color": "#e4e4e4",
-    "axes.axisbelow": True, "savefig.facecolor": "white", "legend.frameon": False,
-}  # fmt: skip
 CROP = 64  # pixels along a side
 WHITE = 30  # what a picture shows as white, in medians
 

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""./paint bench: what it refuses, and what becomes of the times that it took."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from bench.rows import Found, Row, ratios, read, write
+from common.processes import TOOLS
+
+
+def run(*options: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, TOOLS, "bench.run", *options]
+    return subprocess.run(
+        list(map(str, command)), capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+def test_a_folder_with_other_things_stays_as_it_is(tmp_path: Path) -> None:
+    (tmp_path / "letter.txt").write_text("mine")
+    done = run("--quick", "--out", tmp_path)
+    assert done.returncode == 1
+    assert "letter.txt, which ./paint bench did not make" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]
+
+
+def test_a_file_in_the_reports_folder_is_refused(tmp_path: Path) -> None:
+    done = run("--out", tmp_path / "bench", "--json", tmp_path / "bench" / "bars.json")
+    assert done.returncode == 1
+    assert "the report's folder holds the report alone" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_part_that_there_is_not_is_refused_and_the_others_named(tmp_path: Path) -> None:
+    done = run("--out", tmp_path / "bench", "--only", "speed of light")
+    assert done.returncode == 1
+    assert done.stderr.startswith("--only speed of light: none of waits, ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_row_has_the_median_and_the_quartiles_of_its_values() -> None:
+    row = Row("a over b", [5, 1, 4, 2, 3])
+    assert row.median == 3
+    assert row.quartiles == (2, 4)
+    assert Row("once", [7]).quartiles == (7, 7)
+
+
+def test_the_median_is_held_against_the_limit() -> None:
+    [bar] = Row("a over b", [1, 2, 9], 2).bars("here")
+    assert (bar.name, bar.value, bar.holds) == ("here: a over b, at most", 2, True)
+    [bar] = Row("a over b", [1, 2, 9], 2.5, bound="at least").bars("here")
+    assert not bar.holds
+    assert not list(Row("for orientation", [1, 2, 9]).bars("here"))
+
+
+def test_a_time_of_nothing_gives_no_ratio_and_no_bar_that_holds() -> None:
+    assert math.isnan(ratios([1.0], [0.0])[0])
+    [bar] = Row("a over b", ratios([1.0], [0.0]), 2).bars("here")
+    assert bar.value is None
+    assert not bar.holds
+
+
+@pytest.mark.parametrize("blender", ["4.5", ""])
+def test_what_was_found_comes_back_from_its_file(tmp_path: Path, blender: str) -> None:
+    rows = [Row("a over b", [1.5, 2], 3, orientation="7 ns"), Row("grows", [1], curve="c", at=4)]
+    found = Found("samples", blender, rows)
+    write(found, tmp_path / "found.json")
+    assert read(tmp_path / "found.json") == found

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes the report of ./paint bench of what was found."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from common.processes import run_program
+from common.report_folder import BENCH, REPORT, table
+
+from bench import plots
+from bench.rows import PARTS, Found, Row, read
+
+ABOUT = """\
+What the paint costs beside what artists use today. Every figure is a ratio of processor times (or
+of memory) measured one after the other in one run, contenders by turns: the median over the
+repetitions and the quartiles. Absolute figures are for orientation; they are this machine's, and
+change with what else it does. Bars hold for the median.
+
+The contenders:
+
+- **Principled**: Blender's Principled BSDF, metallic, with a coat.
+- **Voronoi flakes**: what artists build of nodes. The cells of a Voronoi texture turn the normal of
+  a metal under a coat, as many and as tilted as the paint's flakes. The material of
+  [./paint motion](../motion/README.md).
+- **noise flakes**: an OSL shader in the manner of MaterialX's flake nodes, in our own words
+  (`tools/bench/flakes.osl`), equally dense: the flake of highest priority in 27 cells of a noise
+  turns the normal of a metal under a coat.
+"""
+
+CAPTIONS = {
+    "waits": "Pictures of 16 × 16 pixels and one sample, each in a fresh Blender, under a sun and "
+    "a world, with persistent data. All of it is preparing: compiling shaders, above all. "
+    "Principled's first picture under OSL is the measure.",
+    "memory": "The most that the fresh Blenders of above had resident after their first picture.",
+    "samples": "A painted plane in an orthographic picture, once with few samples and once with "
+    "many: the difference of the times, so that preparing drops out. Without other objects and "
+    "without bounces.",
+}
+
+
+def report(found: Sequence[Found]) -> Iterator[str]:
+    yield from (BENCH.mark, "", "# What the paint costs", "", ABOUT)
+    judged = [bar for part in found for bar in part.bars()]
+    missed = [bar for bar in judged if not bar.holds]
+    yield f"{len(judged) - len(missed)} of {len(judged)} bars hold."
+    yield ""
+    for part in PARTS:
+        parts = [each for each in found if each.part == part]
+        if not parts:  # with --only
+            continue
+        yield from (f"## {TITLES[part]}", "", CAPTIONS[part], "")
+        if (picture := f"{part}.png") in BENCH.pictures:
+            yield from (f"![{TITLES[part]}]({picture})", "")
+        head = ["", "Blender", "median", "quartiles", "bar", "for orientation"]
+        yield from table(head, _cells(parts))
+
+
+TITLES = {"waits": "Waits", "memory": "Memory", "samples": "Time per sample"}
+
+
+def _cells(parts: Sequence[Found]) -> Iterator[list[str]]:
+    for rows in zip(*(part.rows for part in parts), strict=True):
+        for part, row in zip(parts, rows, strict=True):
+            low, high = row.quartiles
+            yield [
+                row.quantity, part.blender, _number(row.median, row),
+                f"{_number(low, row)} to {_number(high, row)}", _bar(row), row.orientation,
+            ]  # fmt: skip
+
+
+def _number(value: float, row: Row) -> str:
+    text = f"{value:.3g}" if abs(value) < 100 else f"{value:,.0f}"
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    return f"{text}{unit}".replace("-", "−")
+
+
+def _bar(row: Row) -> str:
+    if row.limit is None:
+        return ""
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    holds = all(bar.holds for bar in row.bars(""))
+    return f"{row.bound} {row.limit:g}{unit}{'' if holds else ' **missed**'}"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--found", type=Path, required=True, help="the folder of what was found")
+    parser.add_argument("--out", type=Path, required=True, help="an empty folder")
+    arguments = parser.parse_args()
+    files = sorted(arguments.found.glob("*-*.json"))
+    found = sorted(map(read, files), key=lambda each: PARTS.index(each.part))
+    for part in dict.fromkeys(each.part for each in found):
+        if (picture := f"{part}.png") in BENCH.pictures:
+            plots.draw_ratios(
+                [each for each in found if each.part == part], arguments.out / picture
+            )
+    (arguments.out / REPORT).write_text("\n".join(report(found)), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what the paint costs beside what artists use today, side by side.
+
+Waits, memory, time per sample, growth, time to equal error, and the core's own speed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import time
+from pathlib import Path
+
+from common import bars, environments
+from common.environments import FIRST_BLENDER, Blender
+from common.processes import BUILD, ROOT, TOOLS, StepFailedError, run_program, say
+from common.report_folder import BENCH, REPORT, check_file
+
+from bench.processes import run
+from bench.rows import PARTS, RENDERED, Found, read, write
+from bench.waits import waits
+
+WORK = BUILD / "bench"
+
+
+def measure(blender: Blender, part: str, quick: bool) -> Found:
+    say(f"Measuring {part} in Blender {blender.version}…")
+    file = WORK / f"{part}-{blender.version}.json"
+    program = [blender.python, TOOLS, "bench.measure", part, "--json", file]
+    run(f"Measuring {part}", [*program, *["--quick"] * quick])
+    return read(file)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="paint bench", description=__doc__)
+    parser.add_argument(
+        "--out", type=Path, default=ROOT / "out" / "bench", metavar="DIR",
+        help="folder for README.md and its plots (out/bench)",
+    )  # fmt: skip
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the bars to FILE too")
+    parser.add_argument(
+        "--quick", action="store_true", help="few repetitions, in the first Blender alone"
+    )
+    parser.add_argument(
+        "--only", default="", metavar="TEXT", help=f"of {', '.join(PARTS)} those with TEXT in them"
+    )
+    arguments = parser.parse_args()
+
+    start = time.monotonic()
+    quick = arguments.quick
+    chosen = [part for part in PARTS if arguments.only in part]
+    if not chosen:
+        raise StepFailedError(f"--only {arguments.only}: none of {', '.join(PARTS)}.")
+    BENCH.check(arguments.out)
+    if arguments.json:
+        check_file(arguments.json, arguments.out)
+    environments.prepare_measure()
+    if quick:
+        environments.prepare(FIRST_BLENDER)
+    blenders = [FIRST_BLENDER] if quick else environments.prepare_blenders()
+    shutil.rmtree(WORK, ignore_errors=True)
+    WORK.mkdir(parents=True)
+    found = []
+    for blender in blenders:
+        if {"waits", "memory"} & set(chosen):
+            say(f"Measuring waits and memory in Blender {blender.version}…")
+            found += [part for part in waits(blender, WORK, quick) if part.part in chosen]
+        found += [measure(blender, part, quick) for part in RENDERED if part in chosen]
+    for part in found:
+        write(part, WORK / f"{part.part}-{part.blender}.json")
+    with BENCH.fill(arguments.out) as folder:
+        program = [environments.ACCURACY.python, TOOLS, "bench.report", "--found", WORK]
+        run("The report", [*program, "--out", folder])
+    judged = [bar for part in found for bar in part.bars()]
+    if arguments.json:
+        bars.write(judged, arguments.json)
+    say("")
+    for bar in judged:
+        say(str(bar))
+    missed = sum(not bar.holds for bar in judged)
+    say(f"\n{len(judged) - missed} bars hold, {missed} do not.")
+    say(f"{arguments.out / REPORT}, {time.monotonic() - start:.0f} s in all")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    run_program(main)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one artist waits for in one fresh Blender: the program that waits.py runs again and again.
+
+Processor times in seconds of pictures of one sample, so small that they cost nothing themselves.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import resource
+import statistics
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from common import blender_env
+
+blender_env.prepare()
+
+import bpy  # noqa: E402
+from metallic_paint.paint import Paint, material, presets  # noqa: E402
+from pictures import render_scene  # noqa: E402
+from verification import scenes  # noqa: E402
+
+from bench import materials  # noqa: E402
+from bench.stage import Stage  # noqa: E402
+
+SIZE = 16  # pixels along each side
+FRAMES = 4
+STEP = 0.01  # rad, of the sun; of roughness and tilt the same number
+
+
+def varied(count: int) -> Iterator[Paint]:
+    """Paints that differ in values alone."""
+    for i in range(count):
+        share = (i + 1) / count
+        yield Paint(
+            tilt=0.1 + 0.1 * share, flakes_per_mm2=1000 + 4000 * share, seed=i,
+            flake_color=(0.9, 0.5 + 0.4 * share, 0.9 - 0.5 * share),
+        )  # fmt: skip
+
+
+def sparse(flakes_per_m2: float) -> Paint:
+    """Of the default's coverage, with so many flakes: the more, the smaller."""
+    paint = dataclasses.replace(Paint(), diffraction="none")
+    shrunk = (paint.flakes_per_mm2 * 1e6 / flakes_per_m2) ** 0.5
+    return dataclasses.replace(
+        paint,
+        flakes_per_mm2=flakes_per_m2 / 1e6,
+        flake_diameter_um=paint.flake_diameter_um * shrunk,
+    )
+
+
+def make(contender: str, count: int) -> list[bpy.types.Material]:
+    if contender == "principled":
+        made = [materials.principled() for _ in range(count)]
+        for i, each in enumerate(made):
+            each.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value += STEP * i
+        return made
+    if contender == "presets":
+        paints = [presets.load(name) for name in presets.names()[:count]]
+    elif contender == "varied":
+        paints = list(varied(count))
+    else:
+        paints = [sparse(float(contender))]
+    return [material.create(paint) for paint in paints]
+
+
+def step_slider(made: bpy.types.Material) -> None:
+    if material.has_paint(made):
+        material.paint_node(made).inputs["Tilt"].default_value += STEP
+    else:
+        made.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value += STEP
+
+
+def wait(contender: str, count: int, steps: int) -> dict[str, float]:
+    stage = Stage([scenes.SUN], sky=1.0)
+    start = time.process_time()
+    made = make(contender, count)
+    waits = {"made": time.process_time() - start}
+    stage.add("all", made, SIZE)
+    stage.fit()
+    [sun] = stage.lamps
+    waits["first"] = stage.render("all", 1)
+    waits["peak"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0  # bytes
+    if not steps:
+        return waits
+    sliders, moves, frames = [], [], []
+    for _ in range(steps):
+        step_slider(made[0])
+        sliders.append(stage.render("all", 1))
+    for _ in range(steps):
+        sun.rotation_euler.x += STEP
+        moves.append(stage.render("all", 1))
+    for frame in range(FRAMES * steps):
+        sun.rotation_euler.x += STEP
+        sun.keyframe_insert("rotation_euler", frame=frame)
+    stage.render("all", 1)
+    for frame in range(FRAMES * steps):
+        stage.scene.frame_set(frame)
+        frames.append(stage.render("all", 1))
+    return waits | {
+        "slider": statistics.median(sliders),
+        "move": statistics.median(moves),
+        "frame": statistics.median(frames),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "contender", help="principled, varied, presets, or a number of flakes per m²"
+    )
+    parser.add_argument("--count", type=int, default=1, help="materials")
+    parser.add_argument("--steps", type=int, default=0, help="of sliders and lamps")
+    parser.add_argument("--json", type=Path, required=True)
+    arguments = parser.parse_args()
+    with render_scene.quiet():
+        waits = wait(arguments.contender, arguments.count, arguments.steps)
+    arguments.json.write_text(json.dumps(waits), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    render_scene.run(main)
