@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 from bench import materials
+from bench.growth import mean_count_per_area
+from bench.paints import of_flakes
 from bench.stage import Stage
 from common import bars
 from common.processes import ROOT
@@ -36,6 +38,14 @@ def test_every_contender_shows_the_sun() -> None:
     assert all(mean > 0.01 for mean in means.values()), means
     # The same material, by another way to compute it.
     assert means["Principled without OSL"] == pytest.approx(means["Principled"], rel=1e-3)
+
+
+def test_more_flakes_of_the_same_coverage_sparkle_as_many_times() -> None:
+    """So that pixels which shrink alike have equal ⟨N⟩."""
+    stage = Stage([scenes.SUN])
+    few, many = (mean_count_per_area(of_flakes(number), stage) for number in (1e3, 1e15))
+    assert few > 0
+    assert many / few == pytest.approx(1e12, rel=1e-3)
 
 
 @pytest.mark.long

@@ -13,10 +13,11 @@ blender_env.prepare()
 import bpy  # noqa: E402
 from pictures import render_scene  # noqa: E402
 
+from bench.growth import growth  # noqa: E402
 from bench.rows import Found, write  # noqa: E402
 from bench.samples import samples  # noqa: E402
 
-MEASURES = {"samples": samples}
+MEASURES = {"samples": samples, "growth": growth}
 
 
 def main() -> None:

@@ -38,6 +38,10 @@ CAPTIONS = {
     "samples": "A painted plane in an orthographic picture, once with few samples and once with "
     "many: the difference of the times, so that preparing drops out. Without other objects and "
     "without bounces.",
+    "growth": "Time per sample under suns, over the first point of each curve; beside it, that "
+    "point's time. ⟨N⟩ is the mean count of sparkles in a pixel. With more flakes, flakes and "
+    "pixels shrink alike. With more pixels, the picture shows more paint. Further lights are suns "
+    "in other places; paints in one picture lie in 20 strips.",
 }
 
 
@@ -52,17 +56,30 @@ def report(found: Sequence[Found]) -> Iterator[str]:
         if not parts:  # with --only
             continue
         yield from (f"## {TITLES[part]}", "", CAPTIONS[part], "")
-        if (picture := f"{part}.png") in BENCH.pictures:
-            yield from (f"![{TITLES[part]}]({picture})", "")
+        if part in DRAWN:
+            yield from (f"![{TITLES[part]}]({part}.png)", "")
         head = ["", "Blender", "median", "quartiles", "bar", "for orientation"]
         yield from table(head, _cells(parts))
 
 
-TITLES = {"waits": "Waits", "memory": "Memory", "samples": "Time per sample"}
+TITLES = {
+    "waits": "Waits", "memory": "Memory", "samples": "Time per sample", "growth": "Growth",
+}  # fmt: skip
+DRAWN = {
+    "waits": plots.draw_ratios, "samples": plots.draw_ratios, "growth": plots.draw_growth,
+}  # fmt: skip
 
 
 def _cells(parts: Sequence[Found]) -> Iterator[list[str]]:
-    for rows in zip(*(part.rows for part in parts), strict=True):
+    curves = dict.fromkeys(row.curve for row in parts[0].rows if row.curve)
+    for curve in curves:
+        for part in parts:
+            rows = [row for row in part.rows if row.curve == curve]
+            places = ", ".join(f"{row.at:g}" for row in rows)
+            medians = ", ".join(_number(row.median, row) for row in rows)
+            yield [f"{curve}: {places}", part.blender, medians, "", "", rows[0].orientation]
+    single = ([row for row in part.rows if not row.curve] for part in parts)
+    for rows in zip(*single, strict=True):
         for part, row in zip(parts, rows, strict=True):
             low, high = row.quartiles
             yield [
@@ -92,11 +109,9 @@ def main() -> int:
     arguments = parser.parse_args()
     files = sorted(arguments.found.glob("*-*.json"))
     found = sorted(map(read, files), key=lambda each: PARTS.index(each.part))
-    for part in dict.fromkeys(each.part for each in found):
-        if (picture := f"{part}.png") in BENCH.pictures:
-            plots.draw_ratios(
-                [each for each in found if each.part == part], arguments.out / picture
-            )
+    for part, draw in DRAWN.items():
+        if parts := [each for each in found if each.part == part]:
+            draw(parts, arguments.out / f"{part}.png")
     (arguments.out / REPORT).write_text("\n".join(report(found)), encoding="utf-8")
     return 0
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from common import bars, files
 
-RENDERED = ("samples",)  # within one Blender
+RENDERED = ("samples", "growth")  # within one Blender
 PARTS = ("waits", "memory", *RENDERED)
 
 
@@ -31,7 +31,7 @@ class Row:
     bound: str = "at most"
     orientation: str = ""  # the median figure behind the ratio, with its unit
     curve: str = ""
-    at: float | None = None
+    at: float = 0
 
     @property
     def median(self) -> float:

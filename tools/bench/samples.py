@@ -39,7 +39,7 @@ LIGHTS = (
 
 
 def samples(quick: bool) -> Iterator[Row]:
-    size, count, repetitions = (64, 16, 3) if quick else (96, 64, 7)
+    size, samples_taken, repetitions = (64, 1 << 16, 3) if quick else (128, 1 << 19, 7)
     for light in LIGHTS:
         say(f"  under {light.name}")
         stage = Stage(light.lamps, light.sky)
@@ -53,7 +53,7 @@ def samples(quick: bool) -> Iterator[Row]:
         stage.add("one species", [material.create(ONE)], size)
         stage.add("two species", [material.create(TWO)], size)
         stage.fit()
-        yield from compare(light, stage.race(count, repetitions))
+        yield from compare(light, stage.race(samples_taken, repetitions))
 
 
 def compare(light: Light, times: dict[str, list[float]]) -> Iterator[Row]:

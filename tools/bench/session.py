@@ -7,12 +7,10 @@ Processor times in seconds of pictures of one sample, so small that they cost no
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
 import resource
 import statistics
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 from common import blender_env
@@ -20,37 +18,17 @@ from common import blender_env
 blender_env.prepare()
 
 import bpy  # noqa: E402
-from metallic_paint.paint import Paint, material, presets  # noqa: E402
+from metallic_paint.paint import material, presets  # noqa: E402
 from pictures import render_scene  # noqa: E402
 from verification import scenes  # noqa: E402
 
 from bench import materials  # noqa: E402
+from bench.paints import of_flakes, varied  # noqa: E402
 from bench.stage import Stage  # noqa: E402
 
 SIZE = 16  # pixels along each side
 FRAMES = 4
 STEP = 0.01  # rad, of the sun; of roughness and tilt the same number
-
-
-def varied(count: int) -> Iterator[Paint]:
-    """Paints that differ in values alone."""
-    for i in range(count):
-        share = (i + 1) / count
-        yield Paint(
-            tilt=0.1 + 0.1 * share, flakes_per_mm2=1000 + 4000 * share, seed=i,
-            flake_color=(0.9, 0.5 + 0.4 * share, 0.9 - 0.5 * share),
-        )  # fmt: skip
-
-
-def sparse(flakes_per_m2: float) -> Paint:
-    """Of the default's coverage, with so many flakes: the more, the smaller."""
-    paint = dataclasses.replace(Paint(), diffraction="none")
-    shrunk = (paint.flakes_per_mm2 * 1e6 / flakes_per_m2) ** 0.5
-    return dataclasses.replace(
-        paint,
-        flakes_per_mm2=flakes_per_m2 / 1e6,
-        flake_diameter_um=paint.flake_diameter_um * shrunk,
-    )
 
 
 def make(contender: str, count: int) -> list[bpy.types.Material]:
@@ -62,9 +40,9 @@ def make(contender: str, count: int) -> list[bpy.types.Material]:
     if contender == "presets":
         paints = [presets.load(name) for name in presets.names()[:count]]
     elif contender == "varied":
-        paints = list(varied(count))
+        paints = varied(count)
     else:
-        paints = [sparse(float(contender))]
+        paints = [of_flakes(float(contender))]
     return [material.create(paint) for paint in paints]
 
 

@@ -20,9 +20,7 @@ from metallic_paint.scene import needs
 
 WIDTH = 0.2  # m, what a picture shows
 THREADS = 2
-_TOWARDS_CAMERA = Vector(
-    (0.1, -math.cos(math.radians(50)), math.sin(math.radians(50)))
-).normalized()
+TOWARDS_CAMERA = Vector((0.1, -math.cos(math.radians(50)), math.sin(math.radians(50)))).normalized()
 
 Lamp = Callable[[bpy.types.Scene], bpy.types.Object]
 
@@ -58,7 +56,7 @@ class Stage:
         data = bpy.data.cameras.new("Camera")
         data.type = "ORTHO"
         self.camera = scene.camera = bpy.data.objects.new("Camera", data)
-        self.camera.rotation_euler = _TOWARDS_CAMERA.to_track_quat("Z", "Y").to_euler()
+        self.camera.rotation_euler = TOWARDS_CAMERA.to_track_quat("Z", "Y").to_euler()
         scene.collection.objects.link(self.camera)
         self._without_osl: bpy.types.Scene | None = None
 
@@ -81,6 +79,15 @@ class Stage:
         self._end += 2.2 * half
         self.scene.collection.objects.link(thing)
         self.views[name] = View(thing.location.x, width, size, osl)
+
+    def light_with(self, count: int) -> None:
+        """The first lamps alone."""
+        for i, lamp in enumerate(self.lamps):
+            shines = lamp.name in self.scene.collection.objects
+            if shines != (i < count):
+                objects = self.scene.collection.objects
+                (objects.unlink if shines else objects.link)(lamp)
+        self.fit()
 
     def fit(self) -> None:
         """The paints to the scene, as the add-on does it; call it when all is there."""
@@ -109,19 +116,21 @@ class Stage:
             scene = self._without_osl
         data, distance = self.camera.data, 10 * view.width
         data.ortho_scale, data.clip_start, data.clip_end = view.width, distance / 10, 10 * distance
-        self.camera.location = distance * _TOWARDS_CAMERA + Vector((view.place, 0, 0))
+        self.camera.location = distance * TOWARDS_CAMERA + Vector((view.place, 0, 0))
         scene.render.resolution_x = scene.render.resolution_y = view.size
         scene.cycles.samples = samples
         return scene
 
     def per_sample(self, name: str, samples: int) -> float:
-        """s of one processor for each sample of each pixel, without what a picture costs besides.
+        """s of one processor for each of about so many samples, less what a picture costs besides.
 
         The first picture compiles.
         """
+        pixels = self.views[name].size ** 2
+        count = max(samples // pixels, 1)  # in a pixel
         self.render(name, 1)
-        start, whole = self.render(name, 1), self.render(name, samples + 1)
-        return (whole - start) / (samples * self.views[name].size ** 2)
+        start, whole = self.render(name, 1), self.render(name, count + 1)
+        return (whole - start) / (count * pixels)
 
     def race(self, samples: int, repetitions: int) -> dict[str, list[float]]:
         """Of every view, per sample, one after the other and round again."""
