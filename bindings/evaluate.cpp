@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
                   py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
                   py::handle own_positions, py::handle own_axes, py::handle instances,
                   py::handle slant_depths, py::handle precision, py::handle species_index) {
-  const Paint paint = object_of<Paint>("paint", one_paint);
+  const Paint& paint = object_of<Paint>("paint", one_paint);
   const std::vector<Light<double>> lights = lights_of(some_lights);
   const bool is_float = choice("precision", precision, {"float", "double"}) == 0;
   const int species = from_python<int>("species", species_index, kInt32);
@@ -29,27 +30,37 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
   }
   const Places places(positions, normals, views, footprints, pixels, own_positions, own_axes,
                       instances);
-  std::optional<Array<double>> slant_depth;
-  if (!slant_depths.is_none()) slant_depth = numbers("slant_depth", slant_depths);
+  std::optional<py::array> slant_depth;
+  if (!slant_depths.is_none()) slant_depth = singles_or_doubles("slant_depth", slant_depths);
   const py::ssize_t n = places.size();
   const py::ssize_t slots = static_cast<py::ssize_t>(lights.size());
   if (slant_depth) require_shape("slant_depth", *slant_depth, {n, slots, 3});
-  metallic_paint::validate(paint);
+  const std::shared_ptr<const PreparedPaint> prepared = prepared_paint(paint);
 
   py::array_t<std::int32_t> leader({n, slots}), count_slots({n, slots});
   py::array_t<double> count({n, slots}), mean_count({n, slots});
   py::array_t<double> radiance({n, slots, py::ssize_t{3}}),
       mean_radiance({n, slots, py::ssize_t{3}}), variance({n, slots, py::ssize_t{3}});
-  const PixelBatch batch = places.batch(slant_depth ? slant_depth->data() : nullptr);
+  const PixelBatch batch = places.batch(column_of(slant_depth));
   const PixelResults results{leader.mutable_data(),     count_slots.mutable_data(),
                              mean_count.mutable_data(), count.mutable_data(),
                              radiance.mutable_data(),   mean_radiance.mutable_data(),
                              variance.mutable_data()};
-  interruptible([&](const std::stop_token& stop) {
-    metallic_paint::validate(batch, lights.size());
-    const auto evaluate_in = is_float ? evaluate_pixels<float> : evaluate_pixels<double>;
-    evaluate_in(paint, lights, static_cast<std::size_t>(species), batch, results, stop);
-  });
+  const auto evaluate_in = [&](const auto& layer, const std::stop_token& stop) {
+    evaluate_pixels(prepared->paint, layer, lights, static_cast<std::size_t>(species), batch,
+                    results, stop);
+  };
+  const bool brief = n <= 256;  // with eight lights and three species a fraction of a second
+  interruptible(
+      [&](const std::stop_token& stop) {
+        metallic_paint::validate(batch, lights.size());
+        if (is_float) {
+          evaluate_in(prepared->as_float, stop);
+        } else {
+          evaluate_in(prepared->as_double, stop);
+        }
+      },
+      brief);
   py::dict all;
   all["leader"] = leader;
   all["slots"] = count_slots;

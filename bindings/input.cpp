@@ -45,6 +45,14 @@ void reject_masked(const std::string& field, py::handle value) {
          "without a mask: numpy.ma.filled puts numbers in the place of what it hides");
 }
 
+// Whether it can be taken as it lies: numpy's own class, without a mask, and contiguous.
+template <class T>
+bool is_array_of(py::handle value) {
+  const auto* own_class =
+      reinterpret_cast<const PyTypeObject*>(py::detail::npy_api::get().PyArray_Type_);
+  return Py_TYPE(value.ptr()) == own_class && Array<T>::check_(value);
+}
+
 // Booleans, whole numbers and floats; not complex numbers, texts or dates.
 bool is_numeric(const py::dtype& type) {
   return std::string_view("biuf").find(type.kind()) != std::string_view::npos;
@@ -112,6 +120,7 @@ double number(const std::string& field, py::handle value, const char* range) {
 }
 
 Array<double> numbers(const char* field, py::handle value, const char* range) {
+  if (is_array_of<double>(value)) return py::reinterpret_borrow<Array<double>>(value);
   reject_masked(field, value);
   try {
     const py::array array(py::reinterpret_borrow<py::object>(value));
@@ -134,7 +143,13 @@ metallic_paint::Vec3<double> three_numbers(const char* field, py::handle value) 
   return {v.at(0), v.at(1), v.at(2)};
 }
 
+py::array singles_or_doubles(const char* field, py::handle value) {
+  if (is_array_of<float>(value)) return py::reinterpret_borrow<py::array>(value);
+  return numbers(field, value);
+}
+
 Array<std::int32_t> whole_numbers(const char* field, py::handle value) {
+  if (is_array_of<std::int32_t>(value)) return py::reinterpret_borrow<Array<std::int32_t>>(value);
   const Array<double> given = numbers(field, value);
   Array<std::int32_t> whole(dimensions(given));
   const py::ssize_t row_size = elements_of_row(given);
@@ -147,11 +162,15 @@ Array<std::int32_t> whole_numbers(const char* field, py::handle value) {
   return whole;
 }
 
-std::size_t choice(const char* field, py::handle value, const std::vector<std::string>& names) {
+std::size_t choice(const char* field, py::handle value, std::initializer_list<const char*> names) {
   std::string all;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (py::isinstance<py::str>(value) && value.cast<std::string>() == names[i]) return i;
-    all += (i == 0 ? "'" : i + 1 < names.size() ? "', '" : "' or '") + names[i];
+  for (const auto* name = names.begin(); name != names.end(); ++name) {
+    if (PyUnicode_Check(value.ptr()) != 0 &&
+        PyUnicode_CompareWithASCIIString(value.ptr(), *name) == 0) {
+      return static_cast<std::size_t>(name - names.begin());
+    }
+    all += (name == names.begin() ? "'" : name + 1 < names.end() ? "', '" : "' or '");
+    all += *name;
   }
   reject(field, value, all + "'");
 }

@@ -7,10 +7,11 @@
 namespace py = pybind11;
 
 // Python calls its handlers of signals in its own thread only, and only when asked to.
-void interruptible(const std::function<void(const std::stop_token&)>& work) {
+void interruptible(const std::function<void(const std::stop_token&)>& work, bool brief) {
   constexpr std::chrono::milliseconds kBetweenLooks{20};
-  std::stop_source stop;
   const py::gil_scoped_release released;
+  if (brief) return work({});
+  std::stop_source stop;
   std::future<void> done = std::async(std::launch::async, [&] { work(stop.get_token()); });
   while (done.wait_for(kBetweenLooks) != std::future_status::ready) {
     const py::gil_scoped_acquire held;

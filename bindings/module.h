@@ -10,12 +10,16 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "layer.h"
 #include "light.h"
+#include "parameters.h"
 #include "vector.h"
 
 void bind_paint(pybind11::module_& module);
@@ -28,7 +32,9 @@ void bind_reference_walk(pybind11::module_& module);
 
 // Calls work(stop) without the interpreter's lock, and stops it when a signal's handler raises, as
 // that of Ctrl-C does: that exception comes out of here once no thread is left (interrupt.cpp).
-void interruptible(const std::function<void(const std::stop_token&)>& work);
+// Work that is done before anyone could press a key is `brief`, and does without a thread of its
+// own, which takes longer than a pixel.
+void interruptible(const std::function<void(const std::stop_token&)>& work, bool brief = false);
 
 // Lets a loop that holds the lock be interrupted; cheap enough for each element.
 inline void look_for_signals() {
@@ -59,9 +65,12 @@ Array<double> numbers(const char* field, pybind11::handle value,
                       const char* range = "an array of numbers");
 Array<std::int32_t> whole_numbers(const char* field, pybind11::handle value);
 
+// Likewise, but floats in single precision stay as they are.
+pybind11::array singles_or_doubles(const char* field, pybind11::handle value);
+
 // The place among the names of the one that `value` is.
 std::size_t choice(const char* field, pybind11::handle value,
-                   const std::vector<std::string>& names);
+                   std::initializer_list<const char*> names);
 
 void require_shape(const char* field, const pybind11::array& array,
                    const std::vector<pybind11::ssize_t>& shape);
@@ -90,10 +99,20 @@ T from_python(const char* field, pybind11::handle value, const char* range) {
 // The object of the core behind an argument; it lives as long as Python's.
 template <class Class>
 const Class& object_of(const std::string& argument, pybind11::handle value) {
-  if (pybind11::isinstance<Class>(value)) return value.cast<const Class&>();
+  pybind11::detail::make_caster<Class> caster;
+  if (caster.load(value, false)) return caster;
   const auto name = pybind11::type::of<Class>().attr("__name__").template cast<std::string>();
   reject_type(argument, value, "a " + name);
 }
+
+// A paint that has passed validate(), and its layers in the shader's precision and in the
+// reference's (paint.cpp).
+struct PreparedPaint {
+  metallic_paint::Paint paint;
+  metallic_paint::Layer<float> as_float;
+  metallic_paint::Layer<double> as_double;
+};
+std::shared_ptr<const PreparedPaint> prepared_paint(const metallic_paint::Paint& paint);
 
 // At most kLightSlots objects Light (light.cpp).
 std::vector<metallic_paint::Light<double>> lights_of(pybind11::handle value);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <type_traits>
 
@@ -133,6 +134,19 @@ C from_keywords(const py::kwargs& fields) {
 }
 
 }  // namespace
+
+// The interpreter's lock guards the one that was prepared last: call after call mostly has the
+// same.
+std::shared_ptr<const PreparedPaint> prepared_paint(const Paint& paint) {
+  static std::shared_ptr<const PreparedPaint> last;
+  if (last == nullptr || !(last->paint == paint)) {
+    metallic_paint::validate(paint);
+    last = std::make_shared<const PreparedPaint>(
+        PreparedPaint{paint, metallic_paint::make_layer<float>(paint),
+                      metallic_paint::make_layer<double>(paint)});
+  }
+  return last;
+}
 
 void bind_paint(py::module_& module) {
   metallic_paint::each_choice(

@@ -8,23 +8,34 @@
 #include "batch.h"
 #include "module.h"
 
+inline metallic_paint::Column column_of(const pybind11::array& singles_or_doubles) {
+  if (singles_or_doubles.itemsize() == sizeof(float)) {
+    return static_cast<const float*>(singles_or_doubles.data());
+  }
+  return static_cast<const double*>(singles_or_doubles.data());
+}
+
+inline metallic_paint::Column column_of(const std::optional<pybind11::array>& array) {
+  return array ? column_of(*array) : metallic_paint::Column();
+}
+
 struct Places {
-  Array<double> position, normal, view, footprint;
+  pybind11::array position, normal, view, footprint;
   Array<std::int32_t> pixel;
-  std::optional<Array<double>> own_position, own_axes;
+  std::optional<pybind11::array> own_position, own_axes;
   std::optional<Array<std::int32_t>> instance;
 
   // The last three may be None. Values are checked by validate(batch()).
   Places(pybind11::handle positions, pybind11::handle normals, pybind11::handle views,
          pybind11::handle footprints, pybind11::handle pixels, pybind11::handle own_positions,
          pybind11::handle axes, pybind11::handle instances)
-      : position(numbers("position", positions)),
-        normal(numbers("normal", normals)),
-        view(numbers("view", views)),
-        footprint(numbers("footprint", footprints)),
+      : position(singles_or_doubles("position", positions)),
+        normal(singles_or_doubles("normal", normals)),
+        view(singles_or_doubles("view", views)),
+        footprint(singles_or_doubles("footprint", footprints)),
         pixel(whole_numbers("pixel", pixels)) {
-    if (!own_positions.is_none()) own_position = numbers("own_position", own_positions);
-    if (!axes.is_none()) own_axes = numbers("own_axes", axes);
+    if (!own_positions.is_none()) own_position = singles_or_doubles("own_position", own_positions);
+    if (!axes.is_none()) own_axes = singles_or_doubles("own_axes", axes);
     if (!instances.is_none()) instance = whole_numbers("instance", instances);
     require_one_dimension("footprint", footprint);
     const pybind11::ssize_t n = size();
@@ -39,15 +50,15 @@ struct Places {
 
   pybind11::ssize_t size() const { return footprint.shape(0); }
 
-  metallic_paint::PixelBatch batch(const double* slant = nullptr) const {
+  metallic_paint::PixelBatch batch(metallic_paint::Column slant = {}) const {
     return {static_cast<std::size_t>(size()),
-            position.data(),
-            normal.data(),
-            view.data(),
-            footprint.data(),
+            column_of(position),
+            column_of(normal),
+            column_of(view),
+            column_of(footprint),
             pixel.data(),
-            own_position ? own_position->data() : nullptr,
-            own_axes ? own_axes->data() : nullptr,
+            column_of(own_position),
+            column_of(own_axes),
             instance ? instance->data() : nullptr,
             slant};
   }

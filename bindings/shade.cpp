@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,21 +20,23 @@ namespace {
 
 // Places, and the normals of the coat there.
 struct CoatedPlaces : Places {
-  Array<double> coat_normal;
+  py::array coat_normal;
 
   CoatedPlaces(const Places& places, py::handle coat_normals)
       : Places(places),
-        coat_normal(coat_normals.is_none() ? normal : numbers("coat_normal", coat_normals)) {
+        coat_normal(coat_normals.is_none() ? normal
+                                           : singles_or_doubles("coat_normal", coat_normals)) {
     require_shape("coat_normal", coat_normal, {size(), 3});
     validate(batch());
     for (std::size_t i = 0; i < static_cast<std::size_t>(size()); ++i) {
       const Vec3<double> bent = coat(i);
-      if (!(dot(bent, bent) == 0)) require_unit(at_row("coat_normal", i), bent);
+      const double square = dot(bent, bent);
+      if (!(square == 0 || is_unit(square))) require_unit(at_row("coat_normal", i), bent);
     }
   }
 
   SurfacePoint<double> point(std::size_t i) const { return point_at<double>(batch(), i); }
-  Vec3<double> coat(std::size_t i) const { return vector_at<double>(coat_normal.data(), i); }
+  Vec3<double> coat(std::size_t i) const { return vector_at<double>(column_of(coat_normal), i); }
   bool has_surface(std::size_t i) const {
     const SurfacePoint<double> at = point(i);
     return length(at.normal) > 0 && length(at.view) > 0 && length(coat(i)) > 0;
@@ -56,12 +59,13 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
                       py::handle normal, py::handle view, py::handle footprint, py::handle pixel,
                       py::handle own_position, py::handle own_axes, py::handle instance,
                       py::handle coat_normal) {
-  const Paint paint = object_of<Paint>("paint", one_paint);
+  const Paint& given = object_of<Paint>("paint", one_paint);
   const std::vector<Light<double>> lights = lights_of(some_lights);
   const CoatedPlaces places(
       Places(position, normal, view, footprint, pixel, own_position, own_axes, instance),
       coat_normal);
-  metallic_paint::validate(paint);
+  const std::shared_ptr<const PreparedPaint> prepared = prepared_paint(given);
+  const Paint& paint = prepared->paint;
   const py::ssize_t n = places.size(), m = static_cast<py::ssize_t>(lights.size());
   const std::vector<py::ssize_t> each{n, m, 3};
   py::array_t<double> radiance = zeros(each), mean = zeros(each), sparkles = zeros(each),
@@ -75,7 +79,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
          *to_glossy = glossy.mutable_data(), *to_alpha = alpha.mutable_data(),
          *to_texture = texture.mutable_data(), *to_bent = bent.mutable_data();
   interruptible([&](const std::stop_token& stop) {
-    const Layer<double> layer = layer_under<double>(paint, places.batch());
+    const Layer<double> layer = layer_under(prepared->as_double, places.batch());
     const auto shade_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);
@@ -133,10 +137,11 @@ py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle p
   const CoatedPlaces places(
       Places(position, normal, view, footprint, pixel, own_position, own_axes, instance),
       coat_normal);
-  const Paint paint = object_of<Paint>("paint", one_paint);
+  const Paint& given = object_of<Paint>("paint", one_paint);
   const Array<double> light = numbers("light", directions);
   require_rows_of_3("light", light);
-  metallic_paint::validate(paint);
+  const std::shared_ptr<const PreparedPaint> prepared = prepared_paint(given);
+  const Paint& paint = prepared->paint;
   const auto towards = [&light](std::size_t k) {
     const double* v = light.data() + 3 * k;
     return Vec3<double>{v[0], v[1], v[2]};
@@ -148,7 +153,7 @@ py::dict reflect_light(py::handle one_paint, py::handle directions, py::handle p
   double *to_reflectance = reflectances.mutable_data(), *to_mirror = mirror.mutable_data(),
          *to_albedo = albedo.mutable_data();
   interruptible([&](const std::stop_token& stop) {
-    const Layer<double> layer = layer_under<double>(paint, places.batch());
+    const Layer<double> layer = layer_under(prepared->as_double, places.batch());
     const auto reflect_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);

@@ -15,31 +15,47 @@
 
 namespace metallic_paint {
 
+// An array of numbers where the caller has it, doubles or floats.
+class Column {
+ public:
+  Column() = default;
+  Column(const double* doubles) : doubles_(doubles) {}
+  Column(const float* floats) : floats_(floats) {}
+
+  bool given() const { return doubles_ != nullptr || floats_ != nullptr; }
+  double operator[](std::size_t i) const {
+    return floats_ != nullptr ? static_cast<double>(floats_[i]) : doubles_[i];
+  }
+
+ private:
+  const double* doubles_ = nullptr;
+  const float* floats_ = nullptr;
+};
+
 // Arrays over n pixels, and the lights' slots behind them; row-major.
 struct PixelBatch {
   std::size_t size;
-  const double* position;                  // n x 3, scene units
-  const double* normal;                    // n x 3, unit
-  const double* view;                      // n x 3, unit, towards the observer
-  const double* footprint;                 // n, m2
+  Column position;                         // n x 3, scene units
+  Column normal;                           // n x 3, unit
+  Column view;                             // n x 3, unit, towards the observer
+  Column footprint;                        // n, m2
   const std::int32_t* pixel;               // n x 2
-  const double* own_position = nullptr;    // n x 3, m: position, and Anchor::pixel, if not given
-  const double* own_axes = nullptr;        // n x 3 x 3, unit: the world's axes if not given
+  Column own_position{};                   // n x 3, m: position, and Anchor::pixel, if not given
+  Column own_axes{};                       // n x 3 x 3, unit: the world's axes if not given
   const std::int32_t* instance = nullptr;  // n: 0 if not given
-  const double* slant = nullptr;  // n x lights x 3: optical depth t H in place of the layer's own
+  Column slant{};  // n x lights x 3: optical depth t H in place of the layer's own
 };
 
 template <class T>
-Vec3<T> vector_at(const double* array, std::size_t i) {
-  return {static_cast<T>(array[3 * i]), static_cast<T>(array[3 * i + 1]),
-          static_cast<T>(array[3 * i + 2])};
+Vec3<T> vector_at(const Column& column, std::size_t i) {
+  return {static_cast<T>(column[3 * i]), static_cast<T>(column[3 * i + 1]),
+          static_cast<T>(column[3 * i + 2])};
 }
 
 // Sparkles of pixels that do not know where on the paint they lie belong to the pixels.
 template <class T>
-Layer<T> layer_under(const Paint& paint, const PixelBatch& batch) {
-  Layer<T> layer = make_layer<T>(paint);
-  if (batch.own_position == nullptr) layer.anchor = Anchor::pixel;
+Layer<T> layer_under(Layer<T> layer, const PixelBatch& batch) {
+  if (!batch.own_position.given()) layer.anchor = Anchor::pixel;
   return layer;
 }
 
@@ -52,8 +68,8 @@ SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
                         batch.pixel[2 * i],
                         batch.pixel[2 * i + 1]};
   point.own.position =
-      vector_at<T>(batch.own_position != nullptr ? batch.own_position : batch.position, i);
-  if (batch.own_axes != nullptr) {
+      vector_at<T>(batch.own_position.given() ? batch.own_position : batch.position, i);
+  if (batch.own_axes.given()) {
     point.own.x = vector_at<T>(batch.own_axes, 3 * i);
     point.own.y = vector_at<T>(batch.own_axes, 3 * i + 1);
     point.own.z = vector_at<T>(batch.own_axes, 3 * i + 2);
@@ -77,13 +93,15 @@ struct PixelResults {
 // Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
-// What the shader computes at each pixel, in T: float repeats it, double is the reference.
-// The counts are those of `species`. Once `stop` is requested, the rest of the results stays unset.
+// What the shader computes at each pixel, in T: float repeats it, double is the reference. The
+// layer is the paint's. The counts are those of `species`. Once `stop` is requested, the rest of
+// the results stays unset.
 template <class T>
-void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& lights,
-                     std::size_t species, const PixelBatch& batch, const PixelResults& results,
+void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
+                     const std::vector<Light<double>>& lights, std::size_t species,
+                     const PixelBatch& batch, const PixelResults& results,
                      const std::stop_token& stop = {}) {
-  const Layer<T> layer = layer_under<T>(paint, batch);
+  const Layer<T> layer = layer_under(layer_of_paint, batch);
   std::vector<Light<T>> slots;
   for (const Light<double>& light : lights) {
     slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
@@ -116,9 +134,9 @@ void evaluate_pixels(const Paint& paint, const std::vector<Light<double>>& light
       }
       PixelSparkles<T> all;
       if (leads) {
-        const Rgb<T> slant = batch.slant != nullptr ? vector_at<T>(batch.slant, at) : Rgb<T>{};
+        const Rgb<T> slant = batch.slant.given() ? vector_at<T>(batch.slant, at) : Rgb<T>{};
         const Passage<T> way =
-            pass_between(layer, point, view.seen[light], batch.slant != nullptr ? &slant : nullptr);
+            pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
         all = sparkle(layer, point, firsts, way, static_cast<int>(light), paint.frame, paint.seed);
       }
       results.slots[at] = all.expected[species].slots;

@@ -132,31 +132,36 @@ void validate_int32(const std::string& field, std::size_t row, double value) {
 }
 
 void validate(const PixelBatch& batch, std::size_t lights) {
+  const auto require = [](const char* name, std::size_t row, double value, double least,
+                          double most, const char* unit) {
+    if (value >= least && value <= most) return;  // no text is made where nothing is wrong
+    require_range(at_row(name, row), value, least, most, unit);
+  };
   // All zero: a pixel without surface.
-  const auto require_unit_or_zero = [](const char* name, const double* v, std::size_t row) {
-    const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  const auto require_unit_or_zero = [](const char* name, const Column& vectors, std::size_t at,
+                                       std::size_t row) {
+    const Vec3<double> v = vector_at<double>(vectors, at);
+    const double square = dot(v, v);
     if (square == 0 || is_unit(square)) return;
     reject("length of " + at_row(name, row), std::sqrt(square),
            "1 to a thousandth, or 0 where there is no surface");
   };
   for (std::size_t i = 0; i < batch.size; ++i) {
-    const std::string position = at_row("position", i);
     for (std::size_t c = 0; c < 3; ++c) {
-      require_range(position, batch.position[3 * i + c], -1e30, 1e30, " scene units");
+      require("position", i, batch.position[3 * i + c], -1e30, 1e30, " scene units");
     }
-    require_unit_or_zero("normal", batch.normal + 3 * i, i);
-    require_unit_or_zero("view", batch.view + 3 * i, i);
-    require_range(at_row("footprint", i), batch.footprint[i], 0, 1e30, " m2");
-    for (std::size_t c = 0; batch.own_position != nullptr && c < 3; ++c) {
-      require_range(at_row("own_position", i), batch.own_position[3 * i + c], -1e30, 1e30, " m");
+    require_unit_or_zero("normal", batch.normal, i, i);
+    require_unit_or_zero("view", batch.view, i, i);
+    require("footprint", i, batch.footprint[i], 0, 1e30, " m2");
+    for (std::size_t c = 0; batch.own_position.given() && c < 3; ++c) {
+      require("own_position", i, batch.own_position[3 * i + c], -1e30, 1e30, " m");
     }
-    for (std::size_t c = 0; batch.own_axes != nullptr && c < 3; ++c) {
-      require_unit_or_zero("own_axes", batch.own_axes + 9 * i + 3 * c, i);
+    for (std::size_t c = 0; batch.own_axes.given() && c < 3; ++c) {
+      require_unit_or_zero("own_axes", batch.own_axes, 3 * i + c, i);
     }
-    if (batch.slant == nullptr) continue;
-    const std::string slant_depth = at_row("slant_depth", i);
+    if (!batch.slant.given()) continue;
     for (std::size_t k = 3 * lights * i; k < 3 * lights * (i + 1); ++k) {
-      require_range(slant_depth, batch.slant[k], 0, 1e30);
+      require("slant_depth", i, batch.slant[k], 0, 1e30, "");
     }
   }
 }

@@ -19,8 +19,9 @@ template <class Work>
 void parallel_for(std::size_t count, const Work& work, std::size_t block_size = 1024,
                   const std::stop_token& stop = {}) {
   const std::size_t blocks = (count + block_size - 1) / block_size;
-  const std::size_t workers = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1,
-                                                      std::max<std::size_t>(blocks, 1));
+  // Asked each time, the system reads files to tell how many cores there are.
+  static const std::size_t cores = std::thread::hardware_concurrency();
+  const std::size_t workers = std::clamp<std::size_t>(cores, 1, std::max<std::size_t>(blocks, 1));
   std::atomic<std::size_t> next{0};
   std::atomic_flag failed;
   std::exception_ptr failure;

@@ -45,6 +45,8 @@ struct FlakeSpecies {
   // Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres; 0 to 200
   // nm
   double coating_nm = 60;
+
+  bool operator==(const FlakeSpecies&) const = default;
 };
 
 // The first species is the paint's own; most paints have no other.
@@ -104,6 +106,7 @@ struct Paint : FlakeSpecies {
   const FlakeSpecies& species(int i) const {
     return i == 0 ? *this : more[static_cast<std::size_t>(i - 1)];
   }
+  bool operator==(const Paint&) const = default;
 };
 
 struct Range {

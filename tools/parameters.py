@@ -243,12 +243,15 @@ def cpp_parameters(table: Table) -> Iterator[str]:
     )
     for row in table.flakes:
         yield from _cpp_field(row)
+    equality = "  bool operator==(const {}&) const = default;"
     further = ", ".join(
         f".{row.name} = {literal(row.default_of_further)}"
         for row in table.flakes
         if row.default_of_further is not None
     )
     yield from (
+        "",
+        equality.format("FlakeSpecies"),
         "};",
         "",
         "// The first species is the paint's own; most paints have no other.",
@@ -265,6 +268,7 @@ def cpp_parameters(table: Table) -> Iterator[str]:
         "  const FlakeSpecies& species(int i) const {",
         "    return i == 0 ? *this : more[static_cast<std::size_t>(i - 1)];",
         "  }",
+        equality.format("Paint"),
         "};",
         "",
         "struct Range {",

@@ -112,8 +112,8 @@ struct Arrays {
     return {footprint.size(), position.data(),
             normal.data(),    view.data(),
             footprint.data(), pixel.data(),
-            position.data(),  nullptr,
-            nullptr,          with_slant ? slant.data() : nullptr};
+            position.data(),  {},
+            nullptr,          with_slant ? Column(slant.data()) : Column()};
   }
   PixelResults results() {
     return {leader.data(),   slots.data(), mean_count.data(), count.data(),
@@ -129,8 +129,8 @@ void expect_each_pixel_alone(bool with_slant) {
       sun(10, 0.02), {}, {LightKind::positional, {0.5, 0.25, 2}, 0.125}, sun(11, 0.02)};
   const int n = 3000;
   Arrays arrays(n, lights.size());
-  evaluate_pixels<T>(paint, lights, 0, arrays.batch(with_slant), arrays.results());
   const Layer<T> layer = make_layer<T>(paint);
+  evaluate_pixels(paint, layer, lights, 0, arrays.batch(with_slant), arrays.results());
   const auto vector = [](const std::vector<double>& array, std::size_t i) {
     return Vec3<T>(Vec3<double>{array[3 * i], array[3 * i + 1], array[3 * i + 2]});
   };
@@ -179,7 +179,8 @@ TEST(Batch, GivenOpticalDepthsReachTheirPixelAndLight) {
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {
   Arrays arrays(10, 1);
   for (double& v : arrays.normal) v = 0;
-  evaluate_pixels<float>(undiffracted(), {sun(0, 0.1)}, 0, arrays.batch(false), arrays.results());
+  evaluate_pixels(undiffracted(), make_layer<float>(undiffracted()), {sun(0, 0.1)}, 0,
+                  arrays.batch(false), arrays.results());
   for (double radiance : arrays.radiance) EXPECT_EQ(radiance, 0);
   for (std::int32_t leader : arrays.leader) EXPECT_EQ(leader, -1);
 }

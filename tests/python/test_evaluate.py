@@ -58,6 +58,42 @@ def test_no_pixels_and_no_lights_are_no_error() -> None:
     assert core.evaluate(core.Paint(), [], **scene(3))["count"].shape == (3, 0)
 
 
+def assert_same(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
+    for name, array in one.items():
+        np.testing.assert_array_equal(array, other[name], err_msg=name)
+
+
+# Other types, other orders in memory: the same numbers. float32 and int32 are read where they are.
+@pytest.mark.parametrize("precision", ["float", "double"])
+def test_the_same_numbers_give_the_same_results_in_every_type(precision: str) -> None:
+    singles = {name: np.float32(array) for name, array in scene().items() if name != "pixel"}
+    singles["view"] *= np.float32(0.9996)  # not a float64 that was rounded
+    pixel = scene()["pixel"]
+    ways = [
+        singles | {"pixel": pixel.astype(np.int32)},
+        {name: np.float64(array) for name, array in singles.items()} | {"pixel": pixel},
+        {name: np.asfortranarray(array) for name, array in singles.items()}
+        | {"pixel": np.asfortranarray(pixel.astype(np.int32))},
+        {name: array.astype(">f4") for name, array in singles.items()} | {"pixel": pixel.tolist()},
+    ]
+    results = [core.evaluate(core.Paint(), [SUN], precision=precision, **way) for way in ways]
+    assert (results[0]["mean_count"] > 0).all()
+    for result in results[1:]:
+        assert_same(result, results[0])
+
+
+def test_a_paint_that_changed_between_two_calls_is_another() -> None:
+    paint = core.Paint(tilt=0.1)
+    before = core.evaluate(paint, [SUN], **scene())
+    paint.tilt = 0.2
+    after = core.evaluate(paint, [SUN], **scene())
+    assert (before["mean_radiance"] != after["mean_radiance"]).all()
+    assert_same(after, core.evaluate(core.Paint(tilt=0.2), [SUN], **scene()))
+    paint.tilt = 1000
+    with pytest.raises(ValueError, match="tilt is 1000"):
+        core.evaluate(paint, [SUN], **scene())
+
+
 @pytest.mark.parametrize("radiometry", list(core.Radiometry))
 @pytest.mark.parametrize("orientation", list(core.Orientation))
 def test_mean_radiance_is_cosine_times_brdf(
