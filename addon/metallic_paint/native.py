@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .scene import lights
+from .scene import carrier
 
 if TYPE_CHECKING:
     from metallic_paint_core._native import Light
@@ -26,5 +26,5 @@ def core_lights() -> list[Light]:
     """The slots in use, as the core takes them."""
     import metallic_paint_core as core
 
-    return [core.Light(core.LightKind(int(kind)), vector, size)
-            for kind, vector, size in lights.values()]  # fmt: skip
+    return [core.Light(core.LightKind(kind), vector, size)
+            for kind, vector, size in carrier.values()]  # fmt: skip

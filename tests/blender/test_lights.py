@@ -15,7 +15,7 @@ import OpenImageIO
 import pytest
 from mathutils import Euler, Matrix, Vector
 from metallic_paint.paint import Paint, material, shader
-from metallic_paint.scene import lights, needs
+from metallic_paint.scene import carrier, lights, needs
 from scenery import add_lamp, show_as_instance
 
 Place = Callable[..., bpy.types.Object]
@@ -74,17 +74,21 @@ def read(file: Path) -> np.ndarray:
 
 def slot(number: int) -> tuple[float, tuple[float, ...], float]:
     """Kind, vector and size as the render sees them."""
-    group = lights.node_group().evaluated_get(bpy.context.evaluated_depsgraph_get())
-    kind, vector, size = (group.nodes[name] for name in lights.slot_names(number))
-    return (
-        kind.outputs[0].default_value,
-        tuple(socket.default_value for socket in vector.inputs),
-        size.outputs[0].default_value,
-    )
+    kind = round(lights.constant(lights.slot_names(number)[0]))
+    if not kind:
+        return 0, (0, 0, 0), 0
+    x, y, z, size = seen_at(bpy.data.objects["Painted"], carrier.path(number, kind))
+    return kind, (x, y, z), size
+
+
+def seen_at(thing: bpy.types.Object, path: str) -> tuple[float, ...]:
+    """What an Attribute node finds there."""
+    shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return tuple(np.array(shown.path_resolve(path), np.float32).tolist())
 
 
 def drivers() -> list[bpy.types.Driver]:
-    animation = lights.node_group().animation_data
+    animation = carrier.only().animation_data
     return [curve.driver for curve in animation.drivers] if animation else []
 
 
@@ -110,7 +114,7 @@ def test_a_sun_is_the_direction_towards_it_and_the_sine_of_its_radius(
     place("SUN", "Sun", rotation_euler=turn, location=(7, 8, 9), angle=0.5, scale=(3, 3, 3))
     assert fill().slots == named("Sun")
     kind, vector, size = slot(1)
-    assert kind == lights.PARALLEL
+    assert kind == carrier.PARALLEL
     assert vector == pytest.approx((turn.to_matrix() @ Vector((0, 0, 1)))[:], abs=EPSILON)
     assert size == pytest.approx(math.sin(0.25))
 
@@ -122,7 +126,7 @@ def test_a_point_or_spot_light_is_its_position_and_the_radius_of_its_data(
     place(kind, "Lamp", location=(1, 2, 3), scale=(4, 4, 4), shadow_soft_size=0.3)
     fill()
     number, vector, size = slot(1)
-    assert (number, size) == (lights.POSITIONED, pytest.approx(0.3))
+    assert (number, size) == (carrier.POSITIONED, pytest.approx(0.3))
     assert vector == pytest.approx((1, 2, 3))
 
 
@@ -172,15 +176,15 @@ def test_unused_slots_are_zero_and_have_no_drivers(place: Place, painted: object
     fill()
     for number in range(2, lights.SLOTS + 1):
         assert slot(number) == (0, (0, 0, 0), 0)
-    assert len(drivers()) == 3
+    assert len(drivers()) == 4
 
 
 @pytest.mark.parametrize("kind", ["SUN", "POINT", "SPOT"])
 def test_drivers_need_no_python(kind: str, place: Place, painted: object) -> None:
     for i in range(lights.SLOTS):
-        place(kind, f"Lamp {i}").data.keyframe_insert("energy", frame=1)
+        place(kind, f"Lamp {i}")
     fill()
-    assert len(drivers()) == 4 * lights.SLOTS  # three of the place, one of the size
+    assert len(drivers()) == 4 * lights.SLOTS  # x, y, z and size
     for driver in drivers():
         assert driver.is_simple_expression
         assert driver.is_valid
@@ -191,9 +195,7 @@ def test_values_are_right_at_once_even_where_no_paint_is(place: Place) -> None:
     fill()
     lamp.location = (4, 5, 6)
     fill()
-    nodes = lights.node_group().nodes
-    assert [socket.default_value for socket in nodes["Light1Vector"].inputs] == [4, 5, 6]
-    assert nodes["Light1Size"].outputs[0].default_value == 0.5
+    assert carrier.values() == [(carrier.POSITIONED, Vector((4, 5, 6)), 0.5)]
 
 
 def test_a_light_that_moves_is_followed(place: Place, painted: object) -> None:
@@ -201,7 +203,7 @@ def test_a_light_that_moves_is_followed(place: Place, painted: object) -> None:
     fill()
     size = lamp.data.shadow_soft_size
     lamp.location = (4, 5, 6)
-    assert slot(1) == (lights.POSITIONED, (4, 5, 6), pytest.approx(size))
+    assert slot(1) == (carrier.POSITIONED, (4, 5, 6), pytest.approx(size))
 
 
 def test_a_constrained_light_is_followed(place: Place, painted: object) -> None:
@@ -314,8 +316,8 @@ def test_lights_of_every_view_layer_have_slots(place: Place) -> None:
     first.layer_collection.children[collection.name].exclude = True
     second.layer_collection.children[collection.name].exclude = False
     assert fill().slots == named("Sun")
-    vector = [s.default_value for s in lights.node_group().nodes["Light1Vector"].inputs]
-    assert vector == pytest.approx((0, -math.sin(0.5), math.cos(0.5)), abs=EPSILON)
+    [(_, vector, _)] = carrier.values()
+    assert vector[:] == pytest.approx((0, -math.sin(0.5), math.cos(0.5)), abs=EPSILON)
     second.use = False
     assert fill().slots == ()
 
@@ -413,12 +415,12 @@ def test_filling_again_leaves_nothing_of_before(place: Place, painted: object) -
     place("POINT", "B lamp", location=(1, 2, 3))
     fill()
     fill()
-    assert len(drivers()) == 6
+    assert len(drivers()) == 8
     bpy.data.objects.remove(sun)
     assert fill().slots == named("B lamp")
-    assert slot(1)[:2] == (lights.POSITIONED, (1, 2, 3))
+    assert slot(1)[:2] == (carrier.POSITIONED, (1, 2, 3))
     assert slot(2) == (0, (0, 0, 0), 0)
-    assert len(drivers()) == 3
+    assert len(drivers()) == 4
     bpy.data.objects.remove(bpy.data.objects["B lamp"])
     assert fill().slots == ()
     assert slot(1) == (0, (0, 0, 0), 0)
@@ -431,7 +433,7 @@ def test_a_light_that_becomes_another_kind_is_filled_anew(place: Place, painted:
     lamp.data.type = "POINT"
     lamp.data.shadow_soft_size = 0.5
     fill()
-    assert slot(1) == (lights.POSITIONED, (1, 2, 3), pytest.approx(0.5))
+    assert slot(1) == (carrier.POSITIONED, (1, 2, 3), pytest.approx(0.5))
     assert all(driver.is_valid for driver in drivers())
 
 
@@ -462,9 +464,159 @@ def test_the_slots_are_those_of_the_scene_filled_last(place: Place) -> None:
     other = bpy.data.scenes.new("Other")
     other.unit_settings.scale_length = 0.5
     assert lights.fill(other).slots == ()
-    nodes = lights.node_group().nodes
-    assert nodes["Light1Kind"].outputs[0].default_value == 0
-    assert nodes[lights.METERS_PER_UNIT].outputs[0].default_value == 0.5
+    assert lights.constant("Light1Kind") == 0
+    assert lights.constant(lights.METERS_PER_UNIT) == 0.5
+
+
+# --- who carries the values -------------------------------------------------------------------
+
+
+def carries(thing: bpy.types.Object) -> bool:
+    return carrier.is_attached([thing])
+
+
+def moved_lamp_is_seen_at(thing: bpy.types.Object) -> bool:
+    lamp = bpy.data.objects["Lamp"]
+    lamp.location = (4, 5, 6)
+    return seen_at(thing, carrier.path(1, carrier.POSITIONED))[:3] == (4, 5, 6)
+
+
+def test_copies_and_joined_objects_carry_the_values(place: Place, painted: object) -> None:
+    place("POINT", "Lamp")
+    fill()
+    copy = painted.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    assert moved_lamp_is_seen_at(copy)
+    bpy.ops.mesh.primitive_plane_add()
+    with bpy.context.temp_override(selected_editable_objects=[bpy.context.object, copy]):
+        bpy.ops.object.join()
+    fill()
+    bpy.data.objects["Lamp"].location = (0, 0, 0)
+    assert moved_lamp_is_seen_at(bpy.context.object)
+
+
+def test_an_appended_object_carries_the_values_of_this_file(tmp_path: Path, place: Place) -> None:
+    file = save_paint(tmp_path, place)
+    paint_quad("Painted")
+    place("POINT", "Lamp")
+    with bpy.data.libraries.load(file, link=False) as (_, here):
+        here.objects = ["Foreign"]
+    [foreign] = here.objects
+    bpy.context.scene.collection.objects.link(foreign)
+    assert len(carrier.all_of_file()) == 1  # the one that came along
+    fill()
+    assert len(carrier.all_of_file()) == 1
+    assert moved_lamp_is_seen_at(foreign)
+    assert moved_lamp_is_seen_at(bpy.data.objects["Painted"])
+
+
+def test_every_object_that_shows_a_paint_carries_them(place: Place, painted: object) -> None:
+    """By a slot of the object, by geometry nodes, and by geometry nodes' inputs; no other does."""
+    paint = painted.active_material
+    plain = bpy.data.objects.new("Plain", bpy.data.meshes.new("Plain"))
+    by_slot = bpy.data.objects.new("By slot", plain.data)
+    plain.data.materials.append(None)
+    by_slot.material_slots[0].link = "OBJECT"
+    by_slot.material_slots[0].material = paint
+    tree = bpy.data.node_groups.new("Paints", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    tree.nodes.new("GeometryNodeSetMaterial").inputs["Material"].default_value = paint
+    outer = bpy.data.node_groups.new("Outer", "GeometryNodeTree")
+    outer.nodes.new("GeometryNodeGroup").node_tree = tree
+    by_nodes = bpy.data.objects.new("By nodes", bpy.data.meshes.new("Empty"))
+    by_nodes.modifiers.new("Nodes", "NODES").node_group = outer
+    asked = bpy.data.node_groups.new("Asks", "GeometryNodeTree")
+    socket = asked.interface.new_socket("M", in_out="INPUT", socket_type="NodeSocketMaterial")
+    by_input = bpy.data.objects.new("By input", bpy.data.meshes.new("Empty"))
+    modifier = by_input.modifiers.new("Nodes", "NODES")
+    modifier.node_group = asked
+    if hasattr(modifier, "properties"):  # Blender 5.2
+        getattr(modifier.properties.inputs, socket.identifier).value = paint
+    else:
+        modifier[socket.identifier] = paint
+    fill()
+    assert [carries(each) for each in (painted, by_slot, by_nodes, by_input)] == [True] * 4
+    assert not carries(plain)
+
+
+def test_a_paint_on_another_object_is_noticed(place: Place, painted: object) -> None:
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    needs.fit(scene)
+    assert needs.is_fitted(scene)
+    bpy.data.objects.new("Spare", painted.data)  # in no scene yet
+    assert not needs.is_fitted(scene)
+    needs.fit(scene)
+    assert needs.is_fitted(scene)
+
+
+def test_a_lamp_that_hangs_on_the_painted_object_is_followed(
+    place: Place, painted: bpy.types.Object, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lamp = place("POINT", "Lamp", parent=painted, location=(0, 0, 1))
+    fill()
+    painted.location = (1, 2, 3)
+    assert slot(1)[1] == (1, 2, 4)
+    lamp.location.z = 2
+    assert slot(1)[1] == (1, 2, 5)
+    assert "cycle" not in "".join(capfd.readouterr()).lower()
+
+
+def test_an_object_without_them_shows_the_lights_where_they_stood_when_one_came_last(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    camera_above()
+    sun = place("SUN", "A sun", rotation_euler=(0.5, 0, 0))
+    lamp = place("POINT", "B lamp", location=(1, 2, 3), shadow_soft_size=0.5)
+    fill()
+    show_slots(painted.active_material)
+    stood = [*sun.matrix_world.col[2].xyz, 1, 2, 3, 0.5]
+    for name in painted.keys():  # noqa: SIM118  # an object is no mapping
+        del painted[name]
+    sun.rotation_euler, lamp.location, lamp.data.shadow_soft_size = (0, 1, 0), (7, 8, 9), 0.25
+    assert shown_slots(render(tmp_path / "left.exr")) == pytest.approx(stood, abs=1e-6)
+    fill()
+    now = [*sun.matrix_world.col[2].xyz, 7, 8, 9, 0.25]
+    assert shown_slots(render(tmp_path / "found.exr")) == pytest.approx(now, abs=1e-6)
+
+
+def test_what_an_empty_instances_carries_them(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    camera_above()
+    place("SUN", "A sun")
+    lamp = place("POINT", "B lamp", location=(1, 2, 3), shadow_soft_size=0.5)
+    show_as_instance(painted)
+    fill()
+    show_slots(painted.active_material)
+    lamp.location = (7, 8, 9)
+    shown = shown_slots(render(tmp_path / "instance.exr"))
+    assert shown == pytest.approx([0, 0, 1, 7, 8, 9, 0.5], abs=1e-6)
+
+
+def test_slots_of_an_older_file_become_todays(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """Version 2 had a node and a driver for each number."""
+    camera_above()
+    place("SUN", "A sun")
+    lamp = place("POINT", "B lamp", location=(1, 2, 3), shadow_soft_size=0.5)
+    group = lights.node_group()
+    group["metallic_paint_lights"] = 2
+    out = group.nodes["Group Output"]
+    number = group.nodes.new("ShaderNodeValue")
+    number.outputs[0].driver_add("default_value").driver.expression = "frame"
+    for socket in out.inputs[:-1]:
+        group.links.new(number.outputs[0], socket)
+    assert lights.groups() == [group]
+    fill()
+    show_slots(painted.active_material)
+    lamp.location = (7, 8, 9)
+    shown = shown_slots(render(tmp_path / "updated.exr"))
+    assert shown == pytest.approx([0, 0, 1, 7, 8, 9, 0.5], abs=1e-6)
+    assert group.animation_data is None
+    assert lights.version(group) == lights.VERSION
+    assert lights.constant(lights.METERS_PER_UNIT) == 1
 
 
 # --- one group per file -----------------------------------------------------------------------
@@ -513,11 +665,17 @@ def test_a_linked_paint_that_cannot_be_filled_is_told(tmp_path: Path, place: Pla
 # --- in the render ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", [1, 2], ids=["a used slot", "an unused slot"])
-def test_a_slot_is_a_constant_to_the_compiler(
-    number: int, place: Place, painted: bpy.types.Object, tmp_path: Path
+@pytest.mark.parametrize(
+    ("number", "constant"), [(1, [1, 0, 0]), (2, [1, 1, 0])], ids=["a used slot", "an unused slot"]
+)
+def test_the_compiler_knows_which_slots_are_used_and_not_where_their_lights_are(
+    number: int,
+    constant: list[int],
+    place: Place,
+    painted: bpy.types.Object,
+    tmp_path: Path,
 ) -> None:
-    """So OSL folds it away: through two groups and drivers it costs what a number would."""
+    """So OSL leaves out unused slots, and compiles nothing when a light moves."""
     camera_above()
     place("SUN", "Sun", angle=0.5, rotation_euler=(0.5, 0, 0))
     fill()
@@ -525,7 +683,7 @@ def test_a_slot_is_a_constant_to_the_compiler(
     text.write(
         "shader constant(float Kind = 0, vector Vector = 0, float Size = 0, float Varying = 0,"
         " output closure color BSDF = 0)\n"
-        "{ BSDF = color(isconstant(Kind), isconstant(Vector) && isconstant(Size),"
+        "{ BSDF = color(isconstant(Kind), isconstant(Vector) || isconstant(Size),"
         " isconstant(Varying)) * emission(); }"
     )
     tree = painted.active_material.node_tree
@@ -537,7 +695,7 @@ def test_a_slot_is_a_constant_to_the_compiler(
         tree.links.new(group.outputs[name], socket)
     tree.links.new(geometry.outputs["Backfacing"], script.inputs["Varying"])
     tree.links.new(script.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    assert render(tmp_path / "constant.exr")[8, 8].tolist() == [1, 1, 0]
+    assert render(tmp_path / "constant.exr")[8, 8].tolist() == constant
 
 
 RENDER_ALONE = """
@@ -590,9 +748,7 @@ def test_a_machine_without_add_on_or_permission_to_run_scripts_follows_animated_
     render_alone(tmp_path)
     for frame, values in expected.items():
         picture = read(tmp_path / f"frame_{frame:04}.exr")
-        # The three stripes that show_slots makes.
-        shown = [*picture[8, 2], *picture[8, 8], picture[8, 13, 0]]
-        assert shown == pytest.approx(values, abs=1e-5), f"frame {frame}"
+        assert shown_slots(picture) == pytest.approx(values, abs=1e-5), f"frame {frame}"
 
 
 def test_a_machine_without_the_add_on_renders_the_same_picture(
@@ -639,3 +795,8 @@ def show_slots(paint: bpy.types.Material) -> None:
     for source, name in (("Light1Vector", "One"), ("Light2Vector", "Two"), ("Light2Size", "Size")):
         tree.links.new(group.outputs[source], script.inputs[name])
     tree.links.new(script.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
+def shown_slots(picture: np.ndarray) -> list[float]:
+    """The three stripes of show_slots in a picture of camera_above."""
+    return [*picture[8, 2], *picture[8, 8], picture[8, 13, 0]]

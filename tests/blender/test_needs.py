@@ -62,7 +62,7 @@ def other() -> tuple[str, ...]:
 
 def socket() -> float:
     """What reaches the shader."""
-    return lights.node_group().nodes[lights.OTHER_LIGHT].outputs[0].default_value
+    return lights.constant(lights.OTHER_LIGHT)
 
 
 def new_world(**inputs: object) -> bpy.types.World:
@@ -428,7 +428,7 @@ def test_twenty_lights_are_the_sum_of_those_that_sparkle_and_those_that_do_not()
     # And without a slot each sun lights the mean: the same light, the slots empty.
     for lamp in names:
         scene.objects[lamp].hide_render = False
-    lights._clear(lights.node_group())
+    lights._build(lights.node_group(), [], [])
     expect_same(whole, picture(scene, other_light=True, seed=4), noise=0.03)
 
 

@@ -99,7 +99,7 @@ def test_what_a_scene_needs_is_still_fitted_after_the_report() -> None:
     scene = build()
     scene.cycles.max_bounces = 0  # or the ball might show itself
     assert "show no world" in said(scene)
-    assert lights.node_group().nodes[lights.OTHER_LIGHT].outputs[0].default_value == 0
+    assert lights.constant(lights.OTHER_LIGHT) == 0
 
 
 def test_sparkles_that_merge_are_foretold() -> None:

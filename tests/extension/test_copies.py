@@ -72,7 +72,7 @@ def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.type
     bpy.ops.object.collection_instance_add(collection="Parts")
     sun = add_sun()
     bpy.context.view_layer.update()
-    assert addon("scene.lights").values()
+    assert addon("scene.carrier").values()
     assert "no sparkles from" not in addon("scene.needs").said()
     collection.objects.link(sun)
     bpy.context.view_layer.update()
@@ -217,9 +217,9 @@ def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_p
     bpy.ops.wm.open_mainfile(filepath=file)
     painted = bpy.data.objects["Sphere"].active_material
     assert addon("paint.material").paint_of(painted) == addon("paint.presets").load("gold")
-    assert addon("scene.lights").values()
+    assert addon("scene.carrier").values()
     assert undefined_nodes() == []
-    assert addon("scene.lights").groups()[0].animation_data.drivers[0].is_valid
+    assert addon("scene.carrier").only().animation_data.drivers[0].is_valid
 
 
 RENDER = """

@@ -117,7 +117,9 @@ def test_keys_in_the_nonlinear_editor_are_kept(addon: Addon, old: bpy.types.Mate
 
 def test_old_groups_and_text_are_gone(old: bpy.types.Material) -> None:
     update()
-    assert sorted(bpy.data.node_groups.keys()) == ["Metallic Paint", "Metallic Paint Lights"]
+    assert sorted(bpy.data.node_groups.keys()) == [
+        ".Metallic Paint Lights", "Metallic Paint", "Metallic Paint Lights",
+    ]  # fmt: skip
     assert len(bpy.data.texts) == 1
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an append brings along: a paint refers to the lamps of its file, and they stay behind.
 
-Blender appends all that the drivers of the light slots look at, with parents and targets, and puts
+Blender appends all that the drivers of the carrier look at, with parents and targets, and puts
 these objects into the scene, which they would light. Paste tells nothing of why an object came, so
 of pasted lamps only those go that stand where a lamp of this file stands already. The shader too
 stays behind where this file has it.
@@ -15,17 +15,17 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..paint import material
-from . import lights
+from . import carrier, lights
 
 
 @persistent
 def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
     arrived = {item.id: item.import_info for item in context.import_items if item.id is not None}
-    groups = [group for group in lights.groups() if group in arrived]
-    lamps = [lamp for group in groups for lamp in lights.feeding(group)]
+    fed = [tree for tree in (*carrier.all_of_file(), *lights.groups()) if tree in arrived]
+    lamps = [lamp for tree in fed for lamp in carrier.lamps_of(tree)]
     there = [lamp for lamp in lights.in_slots() if lamp not in arrived]
-    for group in groups:
-        group.animation_data_clear()
+    for tree in fed:
+        tree.animation_data_clear()
     unasked = [
         thing
         for thing, info in arrived.items()
@@ -33,7 +33,7 @@ def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
         and thing.library is None
         and ("INDIRECT_USAGE" in info or any(_is_twin(thing, lamp) for lamp in there))
     ]
-    for thing in _unused(unasked, lamps, arrived):
+    for thing in _unused(unasked, lamps, {*arrived} - {*fed}):
         bpy.data.objects.remove(thing)
     material.share(  # what was asked for by name, Blender goes on to use
         [
@@ -47,11 +47,11 @@ def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
 def _unused(
     unasked: Collection[bpy.types.Object],
     lamps: Collection[bpy.types.Object],
-    arrived: Collection[bpy.types.ID],
+    holders: Collection[bpy.types.ID],
 ) -> list[bpy.types.Object]:
-    """Lamps that nothing else uses of what arrived, and step by step what only these use."""
+    """Lamps that none of the holders uses, and step by step what only these use."""
     users = {
-        thing: {user for user in used if user in arrived and not lights.version(user)}
+        thing: {user for user in used if user in holders}
         for thing, used in bpy.data.user_map(subset=set(unasked)).items()
     }
     unused: list[bpy.types.Object] = []

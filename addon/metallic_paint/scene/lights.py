@@ -2,38 +2,32 @@
 """The lights that sparkle, in slots that every paint of the .blend shares.
 
 The shader has to know direction and size of a light that makes sparkles; Cycles keeps its
-strength, shadow and linking. One node group per file holds the slots. Drivers feed them with
-simple expressions, which Blender evaluates without running Python, so that a render machine
-needs neither this add-on nor permission to run scripts.
-
-Direction and position come from the light's matrix, as Cycles takes them: the normalised third
-column towards a sun, the fourth column for a position. Rotation channels (ROT_W ... ROT_Z) would
-point elsewhere than Cycles under a parent that is mirrored or scaled along one axis.
-The radius of a point or spot light is that of its data: Cycles does not scale it with the object.
+strength, shadow and linking. One node group per file holds the slots. Which slots are in use, and
+by what kind of light, are constants in it: OSL leaves out what they do not need. Where the lights
+are comes from the carrier (carrier.py), so that no shader is compiled when they move.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import bpy
 from mathutils import Matrix, Vector
 
+from . import carrier
+
 NAME = "Metallic Paint Lights"
-VERSION = 2
+VERSION = 3
+_LEAST_VERSION = 2  # that has today's outputs; fill makes it today's
 SLOTS = 8
 METERS_PER_UNIT = "MetersPerUnit"
 OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
 
-PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
-_KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
-# The property of the light's data that is its size, and what the slot has of it.
-_SIZES = {PARALLEL: ("angle", "sin(size/2)"), POSITIONED: ("shadow_soft_size", "size")}
 _MARK = "metallic_paint_lights"  # custom property of the group, holds its version
 
-_DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
 _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
 
 
@@ -67,7 +61,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
 def groups() -> list[bpy.types.ShaderNodeTree]:
     """The file's own groups of light slots: none without a paint, several after an append."""
     trees = [tree for tree in bpy.data.node_groups if isinstance(tree, bpy.types.ShaderNodeTree)]
-    return [group for group in trees if group.get(_MARK) == VERSION and group.library is None]
+    return [each for each in trees if version(each) >= _LEAST_VERSION and each.library is None]
 
 
 def version(group: bpy.types.ID) -> int:
@@ -93,7 +87,7 @@ def fill(scene: bpy.types.Scene) -> Report:
         layer.update()
     matrices = _rendered_lights(layers)
     left_out = _instances(layers, matrices)
-    for light in [light for light in matrices if light.data.type not in _KINDS]:
+    for light in [light for light in matrices if light.data.type not in carrier.KINDS]:
         del matrices[light]
         left_out[light] = "an area light makes no sparkles"
     lights = sorted(matrices, key=lambda light: light.name_full)
@@ -104,49 +98,27 @@ def fill(scene: bpy.types.Scene) -> Report:
             others = "other" if light.hide_render else "brighter"
             left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
-    fed = _are_fed_by(group, lights)
-    if not fed:
-        _clear(group)
-        for slot, light in enumerate(lights, 1):
-            _feed(group, slot, light)
-    for slot, light in enumerate(lights, 1):
-        for socket, value in zip(
-            _inputs(group, slot), _values(light, matrices[light]), strict=True
-        ):
-            _set(socket, value)
-    if not fed:
+    attached = carrier.attach(showing_paint())
+    if attached or not carrier.is_fed_by(lights):  # Blender notes a new way there with new drivers
+        carrier.feed(lights, matrices)
         for layer in layers:
             layer.update()
-    _set(group.nodes[METERS_PER_UNIT].outputs[0], scene.unit_settings.scale_length)
+    carrier.set_values(lights, matrices)
+    kinds = [carrier.KINDS[light.data.type] for light in lights]
+    if version(group) < VERSION or _kinds(group) != kinds:
+        _build(group, kinds, [carrier.numbers_of(light, matrices[light]) for light in lights])
+    _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
     return Report(tuple(lights), left_out, linked_files())
 
 
 def show_other_light(needed: bool) -> None:
     """Whether the flakes show light from elsewhere than the slots; in a new file they do."""
-    _set(node_group().nodes[OTHER_LIGHT].outputs[0], float(needed))
-
-
-def are_fed() -> bool:
-    """Whether the light of every slot in use still exists."""
-    return all(source for group in groups()[:1] for source in _driven(group).values())
+    _set(node_group(), OTHER_LIGHT, float(needed))
 
 
 def in_slots() -> list[bpy.types.Object]:
     """The lights that feed the slots now."""
-    return [lamp for group in groups()[:1] for lamp in feeding(group)]
-
-
-def feeding(group: bpy.types.ShaderNodeTree) -> list[bpy.types.Object]:
-    """The lights that the slots of this group look at."""
-    lamps = [each for each in _driven(group).values() if isinstance(each, bpy.types.Object)]
-    return list(dict.fromkeys(lamps))
-
-
-def values() -> list[tuple[float, Vector, float]]:
-    """Kind, vector and size of the slots in use, as they stand."""
-    group = node_group()
-    slots = [[socket.default_value for socket in _inputs(group, i)] for i in range(1, SLOTS + 1)]
-    return [(kind, Vector(xyz), size) for kind, *xyz, size in slots if kind]
+    return [lamp for tree in carrier.all_of_file()[:1] for lamp in carrier.lamps_of(tree)]
 
 
 # --- the group ---------------------------------------------------------------------------------
@@ -154,51 +126,94 @@ def values() -> list[tuple[float, Vector, float]]:
 
 def _new_group() -> bpy.types.ShaderNodeTree:
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
-    group[_MARK] = VERSION
     group.description = "The lights that sparkle, shared by all metallic paints of this file"
-    out = group.nodes.new("NodeGroupOutput")
-    out.location.x = 300
-    for slot in range(1, SLOTS + 1):
-        kind, vector, size = slot_names(slot)
-        _add_output(group, out, kind, "ShaderNodeValue", "NodeSocketFloat")
-        _add_output(group, out, vector, "ShaderNodeCombineXYZ", "NodeSocketVector")
-        _add_output(group, out, size, "ShaderNodeValue", "NodeSocketFloat")
-    _add_output(group, out, METERS_PER_UNIT, "ShaderNodeValue", "NodeSocketFloat")
-    _add_output(group, out, OTHER_LIGHT, "ShaderNodeValue", "NodeSocketFloat")
-    _clear(group)
-    for name in (METERS_PER_UNIT, OTHER_LIGHT):
-        _set(group.nodes[name].outputs[0], 1)
+    outputs = [(METERS_PER_UNIT, "NodeSocketFloat"), (OTHER_LIGHT, "NodeSocketFloat")]
+    for slot in range(SLOTS, 0, -1):
+        kinds = ("NodeSocketFloat", "NodeSocketVector", "NodeSocketFloat")
+        outputs[:0] = zip(slot_names(slot), kinds, strict=True)
+    for name, socket in outputs:
+        group.interface.new_socket(name, in_out="OUTPUT", socket_type=socket)
+    _build(group, [], [])
     return group
 
 
-def _add_output(
-    group: bpy.types.ShaderNodeTree, out: bpy.types.Node, name: str, node: str, socket: str
+def _build(
+    group: bpy.types.ShaderNodeTree,
+    kinds: Sequence[int],
+    numbers: Sequence[tuple[float, float, float, float]],
 ) -> None:
-    group.interface.new_socket(name, in_out="OUTPUT", socket_type=socket)
-    source = group.nodes.new(node)
-    source.name = source.label = name
-    source.location.y = -100 * len(group.nodes)
-    group.links.new(source.outputs[0], out.inputs[name])
-
-
-def _clear(group: bpy.types.ShaderNodeTree) -> None:
-    """Every slot unused and without drivers."""
+    """Slots of these kinds, 1 first; the numbers are for objects that have no carrier."""
+    out = _output(group)
+    for node in [each for each in group.nodes if each != out]:
+        group.nodes.remove(node)
     group.animation_data_clear()
+    if version(group) < VERSION:
+        group[_MARK] = VERSION
+        for name in (METERS_PER_UNIT, OTHER_LIGHT):
+            out.inputs[name].default_value = 1
     for slot in range(1, SLOTS + 1):
-        for socket in _inputs(group, slot):
-            socket.default_value = 0
+        kind, vector, size = (out.inputs[name] for name in slot_names(slot))
+        if slot > len(kinds):
+            kind.default_value = 0
+            continue
+        kind.default_value = kinds[slot - 1]
+        x, y, z, own_size = numbers[slot - 1]
+        carried = group.nodes.new("ShaderNodeAttribute")
+        carried.attribute_type = "INSTANCER"  # what is instanced, or else the object itself
+        carried.attribute_name = carrier.path(slot, kinds[slot - 1])
+        is_there = group.nodes.new("ShaderNodeMath")
+        is_there.operation, is_there.inputs[1].default_value = "GREATER_THAN", 0
+        group.links.new(carried.outputs["Alpha"], is_there.inputs[0])
+        place = _mix(group, "VECTOR", is_there, (x, y, z), carried.outputs["Vector"], vector)
+        extent = _mix(group, "FLOAT", is_there, own_size, carried.outputs["Alpha"], size)
+        for column, node in enumerate((carried, is_there, place, extent)):
+            node.location = 200 * (column - 4), -250 * slot
 
 
-def _set(socket: bpy.types.NodeSocket, value: float) -> None:
-    """Sockets hold single precision."""
+def _mix(
+    group: bpy.types.ShaderNodeTree,
+    data_type: Literal["FLOAT", "VECTOR"],
+    factor: bpy.types.Node,
+    otherwise: float | tuple[float, float, float],
+    value: bpy.types.NodeSocket,
+    into: bpy.types.NodeSocket,
+) -> bpy.types.Node:
+    """A node that hands on the value where the factor is 1, and a constant where it is 0."""
+    node = group.nodes.new("ShaderNodeMix")
+    node.data_type, node.clamp_factor = data_type, False
+    inputs = {socket.identifier: socket for socket in node.inputs}
+    kind = data_type.title()
+    inputs[f"A_{kind}"].default_value = otherwise
+    group.links.new(factor.outputs[0], inputs["Factor_Float"])
+    group.links.new(value, inputs[f"B_{kind}"])
+    result = next(each for each in node.outputs if each.identifier == f"Result_{kind}")
+    group.links.new(result, into)
+    return node
+
+
+def _output(group: bpy.types.ShaderNodeTree) -> bpy.types.Node:
+    """Its unlinked inputs are the group's constants."""
+    return next((node for node in group.nodes if node.type == "GROUP_OUTPUT"), None) or (
+        group.nodes.new("NodeGroupOutput")
+    )
+
+
+def _kinds(group: bpy.types.ShaderNodeTree) -> list[int]:
+    inputs = _output(group).inputs
+    found = [round(inputs[slot_names(i)[0]].default_value) for i in range(1, SLOTS + 1)]
+    return [kind for kind in found if kind]
+
+
+def _set(group: bpy.types.ShaderNodeTree, name: str, value: float) -> None:
+    """A constant, which holds single precision; Blender compiles all paints anew for a change."""
+    socket = _output(group).inputs[name]
     if not math.isclose(socket.default_value, value, rel_tol=1e-6, abs_tol=1e-12):
         socket.default_value = value
 
 
-def _inputs(group: bpy.types.ShaderNodeTree, slot: int) -> list[bpy.types.NodeSocket]:
-    """Where a slot's five numbers are set: kind, x, y, z, size."""
-    kind, vector, size = (group.nodes[name] for name in slot_names(slot))
-    return [kind.outputs[0], *vector.inputs, size.outputs[0]]
+def constant(name: str) -> float:
+    """Of the file's slots: a kind, METERS_PER_UNIT or OTHER_LIGHT."""
+    return _output(node_group()).inputs[name].default_value
 
 
 def _one_group() -> bpy.types.ShaderNodeTree:
@@ -215,88 +230,6 @@ def linked_files() -> tuple[str, ...]:
     """The files that paints are linked from, which keep the lights that they have there."""
     trees = bpy.data.node_groups
     return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
-
-
-# --- drivers -----------------------------------------------------------------------------------
-
-
-def _values(light: bpy.types.Object, matrix: Matrix) -> tuple[float, ...]:
-    """A slot's five numbers."""
-    kind = _KINDS[light.data.type]
-    if kind == PARALLEL:
-        return kind, *matrix.col[2].xyz.normalized(), math.sin(size_of(light) / 2)
-    return kind, *matrix.translation, size_of(light)
-
-
-def size_of(light: bpy.types.Object) -> float:
-    """The angle of a sun, the radius of a point or spot light; 0 for those that have no slot."""
-    kind = _KINDS.get(light.data.type)
-    return getattr(light.data, _SIZES[kind][0]) if kind else 0.0
-
-
-def has_driven_size(light: bpy.types.Object) -> bool:
-    """Whether a driver follows the size: it may be animated.
-
-    Otherwise the size is set, and again when it changes: a driver on the light's data would run
-    whenever its strength changes, and Blender would prepare all paints anew.
-    """
-    return light.data.animation_data is not None
-
-
-def _feed(group: bpy.types.ShaderNodeTree, slot: int, light: bpy.types.Object) -> None:
-    """The drivers that keep the slot's values so."""
-    _, *place, size = _inputs(group, slot)
-    kind = _KINDS[light.data.type]
-    column, expressions = (2, _DIRECTION) if kind == PARALLEL else (3, ("x", "y", "z"))
-    if has_driven_size(light):
-        name, expression = _SIZES[kind]
-        _drive(size, expression, {"size": (light.data, name)})
-    variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
-    for socket, expression in zip(place, expressions, strict=True):
-        _drive(socket, expression, variables)
-
-
-def _driven(group: bpy.types.ShaderNodeTree) -> dict[str, bpy.types.ID | None]:
-    """What each driver looks at, None for what is gone, by the path of what it drives."""
-    curves = group.animation_data.drivers if group.animation_data else ()
-    return {curve.data_path: _source(curve.driver) for curve in curves}
-
-
-def _source(driver: bpy.types.Driver) -> bpy.types.ID | None:
-    return next((variable.targets[0].id for variable in driver.variables), None)
-
-
-def _are_fed_by(group: bpy.types.ShaderNodeTree, lights: list[bpy.types.Object]) -> bool:
-    """Whether the slots have drivers to just these lights, as what they now are."""
-    driven: dict[str, bpy.types.ID | None] = {}
-    kinds = []
-    for slot, light in enumerate(lights, 1):
-        kind, *place, size = _inputs(group, slot)
-        kinds.append(kind.default_value == _KINDS[light.data.type])
-        driven |= dict.fromkeys((socket.path_from_id("default_value") for socket in place), light)
-        if has_driven_size(light):
-            driven[size.path_from_id("default_value")] = light.data
-    return all(kinds) and driven == _driven(group)
-
-
-def _drive(
-    socket: bpy.types.NodeSocket,
-    expression: str,
-    variables: Mapping[str, tuple[bpy.types.ID, str]],
-) -> None:
-    driver = socket.driver_add("default_value").driver  # type: ignore[union-attr]  # not an array
-    driver.type = "SCRIPTED"
-    for name, (datablock, path) in variables.items():
-        variable = driver.variables.new()
-        variable.name = name
-        variable.type = "SINGLE_PROP"
-        target = variable.targets[0]
-        target.id_type = "LIGHT" if isinstance(datablock, bpy.types.Light) else "OBJECT"
-        target.id = datablock
-        target.data_path = path
-    driver.expression = expression
-    assert driver.is_simple_expression, expression
-    assert driver.is_valid, expression
 
 
 # --- which lights ------------------------------------------------------------------------------
@@ -407,6 +340,35 @@ def uses_paint(scene: bpy.types.Scene) -> bool:
         shown = dict.fromkeys(thing.instance_collection for thing in things)
         collections += [each for each in shown if each is not None and each not in collections]
     return False
+
+
+def showing_paint() -> set[bpy.types.Object]:
+    """The file's objects that show a paint, and can be changed: by their material slots, or by
+    geometry nodes. Where an empty shows a linked collection, its objects cannot, and the empty is.
+    """
+    paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
+    found: set[bpy.types.Object] = set()
+    users: set[bpy.types.ID] = {*paints}
+    seen: set[bpy.types.ID] = set()
+    while users:
+        seen |= users
+        users = set().union(*bpy.data.user_map(subset=users).values()) - seen
+        found |= {each for each in users if isinstance(each, bpy.types.Object)}
+        # On the way lie meshes and the like, and the trees of geometry nodes.
+        users = {
+            each
+            for each in users
+            if hasattr(each, "materials") or isinstance(each, bpy.types.GeometryNodeTree)
+        }
+    found |= {each for each in bpy.data.objects if _shows_linked(each, found)}
+    return {each for each in found if each.is_editable}
+
+
+def _shows_linked(thing: bpy.types.Object, painted: set[bpy.types.Object]) -> bool:
+    collection = thing.instance_collection
+    if collection is None or collection.library is None:
+        return False
+    return any(each in painted for each in collection.all_objects)
 
 
 def holds_slots(tree: bpy.types.NodeTree | None) -> bool:

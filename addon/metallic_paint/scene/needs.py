@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..paint import material
-from . import lights
+from . import carrier, lights
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
 _NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
@@ -112,13 +112,15 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
     groups = lights.groups()
     if len(groups) != 1:
         return not groups
-    return groups[0].get(_FITTED_TO) == _fingerprint(scene) and lights.are_fed()
+    if carrier.has_lost_lamp() or not carrier.is_attached(lights.showing_paint()):
+        return False
+    return groups[0].get(_FITTED_TO) == _fingerprint(scene)
 
 
 def let_go() -> None:
     """The slots keep their values and point at no lamp any more, until the next fit."""
+    carrier.let_go()
     for group in lights.groups():
-        group.animation_data_clear()
         group.pop(_FITTED_TO, None)
 
 
@@ -140,13 +142,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene),
     ]  # fmt: skip
-    seen += [
-        (
-            lamp.name_full, lamp.data.name_full, lamp.data.type,
-            "driven" if lights.has_driven_size(lamp) else lights.size_of(lamp),
-        )
-        for lamp in lamps
-    ]  # fmt: skip
+    seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),

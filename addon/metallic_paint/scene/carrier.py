@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What changes of the lights while one works: directions, places and sizes.
+
+Blender writes the values of nodes into the shader and compiles it anew for each change. What an
+Attribute node finds at an object it reads in the render. So one datablock of the file holds these
+values, every object that shows a paint has a property that points to it, and the light slots read
+it by that path: a lamp that moves compiles nothing.
+
+The datablock is a node tree that no shader uses. Blender evaluates it where nothing but such a
+property leads to it, it can have drivers, and no material or mesh has to be prepared anew for it.
+Copies of an object point to it too, and what is appended brings its own along (`only`). An object
+that has none shows the lights where they stood when their number or kind changed last.
+
+Drivers feed it with simple expressions, which Blender evaluates without running Python, so that a
+render machine needs neither this add-on nor permission to run scripts. Direction and position come
+from the light's matrix, as Cycles takes them: the normalised third column towards a sun, the fourth
+column for a position. Rotation channels (ROT_W ... ROT_Z) would point elsewhere than Cycles under a
+parent that is mirrored or scaled along one axis. The radius of a point or spot light is that of its
+data: Cycles does not scale it with the object.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+NAME = ".Metallic Paint Lights"  # menus leave out what begins with a dot
+_MARK = "metallic_paint_carrier"
+_POINTER = "metallic_paint_lights"  # an object's property
+
+PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
+KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
+
+# An attribute that is missing is (0, 0, 0, 0): so a slot's fourth number, its size, is never 0.
+_LEAST_SIZE = 1e-30
+# The property of the light's data that is its size, and what the slot has of it.
+_SIZES = {
+    PARALLEL: ("angle", f"max(sin(size/2),{_LEAST_SIZE})"),
+    POSITIONED: ("shadow_soft_size", f"max(size,{_LEAST_SIZE})"),
+}
+_DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
+
+
+def path(slot: int, kind: int) -> str:
+    """Where an object that shows a paint has the four numbers of a slot, 1..8.
+
+    The name tells the kind: a paint that is linked from another file does not take a place of this
+    one for the direction that it expects there.
+    """
+    return f'["{_POINTER}"]["{_name(slot, kind)}"]'
+
+
+def _name(slot: int, kind: int) -> str:
+    return f"Light{slot}{'Direction' if kind == PARALLEL else 'Position'}"
+
+
+def all_of_file() -> list[bpy.types.NodeTree]:
+    """The file's own: none before the first fit, several after an append."""
+    return [tree for tree in bpy.data.node_groups if _MARK in tree and tree.library is None]
+
+
+def only() -> bpy.types.NodeTree:
+    """The file's one, made when there is none; those that came with an append become it."""
+    first, *others = all_of_file() or [_new()]
+    for other in others:
+        other.user_remap(first)
+        bpy.data.node_groups.remove(other)
+    return first
+
+
+def _new() -> bpy.types.NodeTree:
+    tree = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
+    tree[_MARK] = 1
+    tree.description = "Where the lights of all metallic paints of this file are"
+    return tree
+
+
+# --- who carries it ----------------------------------------------------------------------------
+
+
+def attach(things: Collection[bpy.types.Object]) -> bool:
+    """Lets the objects carry it; returns whether that was new to any."""
+    tree = only()
+    new = [thing for thing in things if thing.get(_POINTER) != tree]
+    for thing in new:
+        thing[_POINTER] = tree
+        thing.update_tag()
+    return bool(new)
+
+
+def is_attached(things: Collection[bpy.types.Object]) -> bool:
+    trees = all_of_file()
+    return len(trees) == 1 and all(thing.get(_POINTER) == trees[0] for thing in things)
+
+
+# --- its values --------------------------------------------------------------------------------
+
+
+def numbers_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, float, float]:
+    """What a slot holds of a light that stands so: x, y, z and size."""
+    kind = KINDS[light.data.type]
+    size = getattr(light.data, _SIZES[kind][0])
+    if kind == PARALLEL:
+        vector, size = matrix.col[2].xyz.normalized(), math.sin(size / 2)
+    else:
+        vector = matrix.translation
+    return (*vector, max(size, _LEAST_SIZE))
+
+
+def values() -> list[tuple[int, Vector, float]]:
+    """Kind, vector and size of the slots in use, as they stand, in single precision."""
+    found = {}
+    for tree in all_of_file()[:1]:
+        for slot, kind in itertools.product(range(1, len(tree.keys()) + 1), KINDS.values()):
+            if (numbers := tree.get(_name(slot, kind))) is not None:
+                *vector, size = np.array(numbers, np.float32).tolist()
+                found[slot] = kind, Vector(vector), size
+    return [*found.values()]
+
+
+def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]) -> None:
+    """The values of these lights, slot 1 first, and drivers that keep them so."""
+    tree = only()
+    let_go()
+    for name in {*tree.keys()} - {_MARK}:
+        del tree[name]
+    set_values(lights, matrices)
+    for slot, light in enumerate(lights, 1):
+        kind = KINDS[light.data.type]
+        data_path = f'["{_name(slot, kind)}"]'
+        column, expressions = (2, _DIRECTION) if kind == PARALLEL else (3, ("x", "y", "z"))
+        variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
+        for i, expression in enumerate(expressions):
+            _drive(tree, data_path, i, expression, variables)
+        size, expression = _SIZES[kind]
+        _drive(tree, data_path, 3, expression, {"size": (light.data, size)})
+
+
+def set_values(
+    lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]
+) -> None:
+    """At once, also where Blender does not evaluate the drivers because no object leads there."""
+    tree = only()
+    for slot, light in enumerate(lights, 1):
+        tree[_name(slot, KINDS[light.data.type])] = numbers_of(light, matrices[light])
+    tree.update_tag()
+
+
+def let_go() -> None:
+    """The values stay, and follow no lamp any more."""
+    for tree in all_of_file():
+        tree.animation_data_clear()
+
+
+def is_fed_by(lights: Sequence[bpy.types.Object]) -> bool:
+    """Whether drivers lead to just these lights, as what they now are."""
+    trees = all_of_file()
+    expected = {
+        (f'["{_name(slot, KINDS[light.data.type])}"]', i): light if i < 3 else light.data
+        for slot, light in enumerate(lights, 1)
+        for i in range(4)
+    }
+    return len(trees) == 1 and _driven(trees[0]) == expected
+
+
+def lamps_of(tree: bpy.types.NodeTree) -> list[bpy.types.Object]:
+    """The lights that it looks at."""
+    return list(
+        dict.fromkeys(each for each in _driven(tree).values() if isinstance(each, bpy.types.Object))
+    )
+
+
+def has_lost_lamp() -> bool:
+    """Whether the light of a slot is gone."""
+    return not all(source for tree in all_of_file() for source in _driven(tree).values())
+
+
+def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], bpy.types.ID | None]:
+    """What each driver looks at, None for what is gone, by what it drives."""
+    curves = tree.animation_data.drivers if tree.animation_data else ()
+    return {(curve.data_path, curve.array_index): _source(curve.driver) for curve in curves}
+
+
+def _source(driver: bpy.types.Driver) -> bpy.types.ID | None:
+    return next((variable.targets[0].id for variable in driver.variables), None)
+
+
+def _drive(
+    tree: bpy.types.NodeTree,
+    data_path: str,
+    index: int,
+    expression: str,
+    variables: Mapping[str, tuple[bpy.types.ID, str]],
+) -> None:
+    driver = tree.driver_add(data_path, index).driver  # type: ignore[union-attr]  # of one number
+    driver.type = "SCRIPTED"
+    for name, (datablock, of) in variables.items():
+        variable = driver.variables.new()
+        variable.name = name
+        variable.type = "SINGLE_PROP"
+        target = variable.targets[0]
+        target.id_type = "LIGHT" if isinstance(datablock, bpy.types.Light) else "OBJECT"
+        target.id = datablock
+        target.data_path = of
+    driver.expression = expression
+    assert driver.is_simple_expression, expression
+    assert driver.is_valid, expression

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A light that moves compiles nothing, and shows the same picture as if it had always stood so."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import OpenImageIO
+import pytest
+from metallic_paint import verify
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import needs
+from scenery import add_lamp
+
+SCRIPT = Path(__file__).with_name("count_programs.py")
+SECONDS = 120
+
+
+@pytest.fixture
+def blend(tmp_path: Path) -> Path:
+    """A painted ball under a sun that is animated, with its strength, and the lamp Lamp."""
+    scene = bpy.context.scene
+    material.set_up_cycles(scene)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.02)
+    paint = material.create(presets.load("silver-coarse"), "Painted")
+    material.assign(bpy.context.object, paint)
+    sun = add_lamp("SUN", "Sun", energy=2)
+    for frame, turn in ((1, 0.3), (10, 0.8)):
+        sun.rotation_euler.x = sun.data.energy = sun.data.angle = turn
+        sun.keyframe_insert("rotation_euler", frame=frame)
+        sun.data.keyframe_insert("energy", frame=frame)
+        sun.data.keyframe_insert("angle", frame=frame)
+    add_lamp("POINT", "Lamp", energy=6, shadow_soft_size=0.01, location=(0.4, 0.2, 0.5))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 1
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 0.05
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    needs.fit(scene)
+    verify.make_noiseless(scene)
+    file = tmp_path / "lit.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    return file
+
+
+def read(file: Path) -> np.ndarray:
+    return OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.FLOAT)[..., :3]
+
+
+@pytest.mark.every_blender
+def test_a_light_that_moves_compiles_nothing(blend: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    environment = {
+        **os.environ,
+        "OSL_OPTIONS": "llvm_output_bitcode=1",
+        "BLENDER_USER_RESOURCES": str(tmp_path / "user"),
+    }
+    done = subprocess.run(
+        [sys.executable, SCRIPT, blend, tmp_path / "there"], cwd=folder, env=environment,
+        capture_output=True, text=True, timeout=SECONDS, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    [counted] = [line for line in done.stdout.splitlines() if line.startswith("Programs:")]
+    first, moved, next_frame, slider = map(int, counted.split()[1:])
+    assert (moved, next_frame) == (0, 0)
+    assert first > 0
+    assert slider > 0  # or the counting is broken
+
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "there-moved.blend"))
+    fresh = verify.render(bpy.context.scene)[::-1]
+    there = {name: read(tmp_path / f"there-{name}.exr") for name in ("first", "moved", "next")}
+    np.testing.assert_array_equal(there["moved"], fresh)
+    for other in ("first", "next"):
+        assert (there[other] != fresh).any(axis=-1).sum() > 100
