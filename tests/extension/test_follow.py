@@ -104,7 +104,7 @@ def test_type_changes_follow(addon: Addon) -> None:
     lamp = add("SUN", "Lamp")
     lamp.data.type = "POINT"
     update()
-    assert addon("scene.carrier").values()[0][0] == addon("scene.lights").POSITIONED
+    assert addon("scene.carrier").values()[0][0] == addon("scene.carrier").POSITIONED
     lamp.data.type = "AREA"
     update()
     assert addon("scene.carrier").values() == []
@@ -191,6 +191,26 @@ def test_a_new_size_of_a_light_is_noticed(addon: Addon, painted: bpy.types.Objec
     update()
     sizes = [size for _, _, size in addon("scene.carrier").values()]
     assert sizes == pytest.approx([math.sin(0.1), 0.75])
+
+
+def test_an_object_that_is_painted_by_hand_sees_the_lights(
+    addon: Addon, painted: bpy.types.Object, fits: list[str]
+) -> None:
+    lamp = add("POINT", "Lamp", 1)
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    assert not addon("scene.carrier").is_attached([cube])
+    cube.data.materials.append(painted.active_material)
+    update()
+    lamp.location.x = 7
+    update()
+    path = addon("scene.carrier").path(1, addon("scene.carrier").POSITIONED)
+    for thing in (cube, painted):
+        shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert shown.path_resolve(path)[0] == 7
+    fits.clear()
+    update()
+    assert fits == []
 
 
 def test_a_light_that_moves_grows_or_brightens_leaves_the_paints_alone(

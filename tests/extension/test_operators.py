@@ -71,7 +71,7 @@ def test_new_paint_knows_the_lights(addon: Addon, cube: bpy.types.Object) -> Non
     bpy.ops.object.light_add(type="SUN")
     bpy.context.view_layer.objects.active = cube
     bpy.ops.material.metallic_paint_new()
-    assert len(addon("scene.lights").values()) == 1
+    assert len(addon("scene.carrier").values()) == 1
 
 
 def test_new_paint_switches_nothing(cube: bpy.types.Object) -> None:
@@ -338,7 +338,7 @@ def test_without_the_add_on_of_cycles_operators_say_so(
             getattr(getattr(bpy.ops, space), name)()
         bpy.ops.object.light_add(type="SUN")
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
-        assert addon("scene.lights").values() == []
+        assert addon("scene.carrier").values() == []
         before = bpy.data.scenes.keys()
         with pytest.raises(TypeError, match="CYCLES"):
             addon("paint.material").create(addon("paint").Paint())
@@ -346,7 +346,7 @@ def test_without_the_add_on_of_cycles_operators_say_so(
     finally:
         addon_utils.enable("cycles")
     bpy.context.view_layer.update()
-    assert len(addon("scene.lights").values()) == 1
+    assert len(addon("scene.carrier").values()) == 1
 
 
 def test_a_gpu_is_warned_of(addon: Addon) -> None:

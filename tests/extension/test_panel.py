@@ -301,7 +301,7 @@ def test_asset_library_holds_every_preset(
     assert not [thing for thing in bpy.data.objects if thing != cube]
     cube.active_material = here.materials[0]
     bpy.ops.object.light_add(type="SUN")
-    assert len(addon("scene.lights").values()) == 1
+    assert len(addon("scene.carrier").values()) == 1
     assert len(addon("scene.lights").groups()) == 1
     assert not addon("paint.migration").has_outdated()
 
