@@ -68,5 +68,5 @@ def test_a_time_of_nothing_gives_no_ratio_and_no_bar_that_holds() -> None:
 def test_what_was_found_comes_back_from_its_file(tmp_path: Path, blender: str) -> None:
     rows = [Row("a over b", [1.5, 2], 3, orientation="7 ns"), Row("grows", [1], curve="c", at=4)]
     found = Found("samples", blender, rows)
-    write(found, tmp_path / "found.json")
-    assert read(tmp_path / "found.json") == found
+    write([found], tmp_path / "found.json")
+    assert read(tmp_path / "found.json") == [found]

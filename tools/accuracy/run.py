@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 from common import environments
+from common.benchmark_build import build
 from common.processes import (
     BUILD,
     ROOT,
@@ -16,29 +17,11 @@ from common.processes import (
     describe,
     run_limited,
     run_program,
-    run_step,
 )
 from common.report_folder import ACCURACY, check_file
 
 SECONDS = 1800
-PROGRAM = BUILD / "tests" / "tests" / "benchmark" / "trade"
 MEASUREMENTS = BUILD / "accuracy"
-
-
-def build() -> None:
-    """In the folder of the core's tests, configured alike: what is compiled there serves both."""
-    folder = BUILD / "tests"
-    options = ["-DMETALLIC_PAINT_WERROR=ON", "-DMETALLIC_PAINT_SANITIZE="]
-    run_step(
-        "Configuring the measurement",
-        ["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options],
-        "configure-accuracy.log",
-    )
-    run_step(
-        "Building the measurement",
-        ["cmake", "--build", folder, "--target", "trade"],
-        "build-accuracy.log",
-    )
 
 
 def main() -> int:
@@ -56,10 +39,10 @@ def main() -> int:
         check_file(arguments.json, arguments.out)
     environments.prepare_tool(environments.ACCURACY)
     with environments.alone():
-        build()
+        program = build("trade")
         shutil.rmtree(MEASUREMENTS, ignore_errors=True)
         MEASUREMENTS.mkdir(parents=True)
-        _run("The measurement", [PROGRAM, MEASUREMENTS, *["--quick"] * arguments.quick], {0})
+        _run("The measurement", [program, MEASUREMENTS, *["--quick"] * arguments.quick], {0})
         report = [environments.ACCURACY.python, TOOLS, "accuracy.report"]
         report += ["--measurements", MEASUREMENTS, "--out", arguments.out]
         if arguments.json:

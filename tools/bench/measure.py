@@ -29,7 +29,7 @@ def main() -> None:
     with render_scene.quiet():
         rows = list(MEASURES[arguments.part](arguments.quick))
     blender = "{}.{}".format(*bpy.app.version)
-    write(Found(arguments.part, blender, rows), arguments.json)
+    write([Found(arguments.part, blender, rows)], arguments.json)
 
 
 if __name__ == "__main__":

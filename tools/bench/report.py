@@ -42,7 +42,15 @@ CAPTIONS = {
     "point's time. ⟨N⟩ is the mean count of sparkles in a pixel. With more flakes, flakes and "
     "pixels shrink alike. With more pixels, the picture shows more paint. Further lights are suns "
     "in other places; paints in one picture lie in 20 strips.",
+    "core": "The sparkles of one sun in a pixel, by the C++ core: in one thread by Google "
+    "Benchmark (`tests/benchmark/speed.cpp`), in batches through numpy arrays, where mean and "
+    "variance are computed besides. Double is the reference and integrates what float has in "
+    "closed form. Beside it what this machine can do at most; how many operations a pixel–light "
+    "has is not counted, so what stands below is the most that it can have.",
 }
+
+
+MILLISECOND = 1e-3  # times below it are shown in µs
 
 
 def report(found: Sequence[Found]) -> Iterator[str]:
@@ -64,6 +72,7 @@ def report(found: Sequence[Found]) -> Iterator[str]:
 
 TITLES = {
     "waits": "Waits", "memory": "Memory", "samples": "Time per sample", "growth": "Growth",
+    "core": "The core",
 }  # fmt: skip
 DRAWN = {
     "waits": plots.draw_ratios, "samples": plots.draw_ratios, "growth": plots.draw_growth,
@@ -84,31 +93,31 @@ def _cells(parts: Sequence[Found]) -> Iterator[list[str]]:
             low, high = row.quartiles
             yield [
                 row.quantity, part.blender, _number(row.median, row),
-                f"{_number(low, row)} to {_number(high, row)}", _bar(row), row.orientation,
+                f"{_number(low, row, False)} to {_number(high, row, False)}", _bar(row), row.orientation,
             ]  # fmt: skip
 
 
-def _number(value: float, row: Row) -> str:
-    text = f"{value:.3g}" if abs(value) < 100 else f"{value:,.0f}"
+def _number(value: float, row: Row, with_unit: bool = True) -> str:
     unit = "" if row.unit == "1" else f" {row.unit}"
-    return f"{text}{unit}".replace("-", "−")
+    if row.unit == "s" and abs(row.median) < MILLISECOND:
+        value, unit = value * 1e6, " µs"
+    text = f"{value:.3g}" if abs(value) < 100 else f"{value:,.0f}"
+    return f"{text}{unit if with_unit else ''}".replace("-", "−")
 
 
 def _bar(row: Row) -> str:
     if row.limit is None:
         return ""
-    unit = "" if row.unit == "1" else f" {row.unit}"
     holds = all(bar.holds for bar in row.bars(""))
-    return f"{row.bound} {row.limit:g}{unit}{'' if holds else ' **missed**'}"
+    return f"{row.bound} {_number(row.limit, row)}{'' if holds else ' **missed**'}"
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--found", type=Path, required=True, help="the folder of what was found")
+    parser.add_argument("--found", type=Path, required=True, help="the file of what was found")
     parser.add_argument("--out", type=Path, required=True, help="an empty folder")
     arguments = parser.parse_args()
-    files = sorted(arguments.found.glob("*-*.json"))
-    found = sorted(map(read, files), key=lambda each: PARTS.index(each.part))
+    found = read(arguments.found)
     for part, draw in DRAWN.items():
         if parts := [each for each in found if each.part == part]:
             draw(parts, arguments.out / f"{part}.png")

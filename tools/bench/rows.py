@@ -13,7 +13,8 @@ from pathlib import Path
 from common import bars, files
 
 RENDERED = ("samples", "growth")  # within one Blender
-PARTS = ("waits", "memory", *RENDERED)
+CORE = "core"
+PARTS = ("waits", "memory", *RENDERED, CORE)
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,15 @@ class Found:
             yield from row.bars(where)
 
 
-def write(found: Found, path: Path) -> None:
-    files.write(path, json.dumps(asdict(found)))
+def write(found: Sequence[Found], path: Path) -> None:
+    files.write(path, json.dumps([asdict(part) for part in found]))
 
 
-def read(path: Path) -> Found:
-    data = json.loads(path.read_text(encoding="utf-8"))
-    return Found(data["part"], data["blender"], [Row(**row) for row in data["rows"]])
+def read(path: Path) -> list[Found]:
+    return [
+        Found(part["part"], part["blender"], [Row(**row) for row in part["rows"]])
+        for part in json.loads(path.read_text(encoding="utf-8"))
+    ]
 
 
 def ratios(numerators: Sequence[float], denominators: Sequence[float]) -> list[float]:

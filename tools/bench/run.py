@@ -12,22 +12,34 @@ import time
 from pathlib import Path
 
 from common import bars, environments
+from common.benchmark_build import build
 from common.environments import FIRST_BLENDER, Blender
 from common.processes import BUILD, ROOT, TOOLS, StepFailedError, run_program, say
 from common.report_folder import BENCH, REPORT, check_file
 
 from bench.processes import run
-from bench.rows import PARTS, RENDERED, Found, read, write
+from bench.rows import CORE, PARTS, RENDERED, Found, read, write
 from bench.waits import waits
 
 WORK = BUILD / "bench"
+FOUND = "found.json"
 
 
-def measure(blender: Blender, part: str, quick: bool) -> Found:
+def measure(blender: Blender, part: str, quick: bool) -> list[Found]:
     say(f"Measuring {part} in Blender {blender.version}…")
     file = WORK / f"{part}-{blender.version}.json"
     program = [blender.python, TOOLS, "bench.measure", part, "--json", file]
     run(f"Measuring {part}", [*program, *["--quick"] * quick])
+    return read(file)
+
+
+def measure_core(quick: bool) -> list[Found]:
+    say("Measuring the core…")
+    file = WORK / f"{CORE}.json"
+    with environments.alone():
+        program = build("speed")
+    command = [environments.ACCURACY.python, TOOLS, "bench.core", program, "--json", file]
+    run("Measuring the core", [*command, *["--quick"] * quick])
     return read(file)
 
 
@@ -60,16 +72,19 @@ def main() -> int:
     blenders = [FIRST_BLENDER] if quick else environments.prepare_blenders()
     shutil.rmtree(WORK, ignore_errors=True)
     WORK.mkdir(parents=True)
-    found = []
+    found: list[Found] = []
     for blender in blenders:
         if {"waits", "memory"} & set(chosen):
             say(f"Measuring waits and memory in Blender {blender.version}…")
             found += [part for part in waits(blender, WORK, quick) if part.part in chosen]
-        found += [measure(blender, part, quick) for part in RENDERED if part in chosen]
-    for part in found:
-        write(part, WORK / f"{part.part}-{part.blender}.json")
+        for part in RENDERED:
+            if part in chosen:
+                found += measure(blender, part, quick)
+    if CORE in chosen:
+        found += measure_core(quick)
+    write(found, WORK / FOUND)
     with BENCH.fill(arguments.out) as folder:
-        program = [environments.ACCURACY.python, TOOLS, "bench.report", "--found", WORK]
+        program = [environments.ACCURACY.python, TOOLS, "bench.report", "--found", WORK / FOUND]
         run("The report", [*program, "--out", folder])
     judged = [bar for part in found for bar in part.bars()]
     if arguments.json:
