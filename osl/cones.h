@@ -5,6 +5,7 @@
 #pragma once
 
 #include "stdcycles.h"
+#include "composition.h"
 #include "flake_lobe.h"
 #include "light.h"
 #include "random.h"
@@ -70,4 +71,16 @@ closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen
   if (rho < CONE_MARGIN)
     return mirrored.weight * reflection(half);
   return mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);
+}
+
+// A coat without roughness. No sampling of lamps finds what a mirror shows, so where that is a listed light, a cone as large
+// as the light shows it instead. Of lights that overlap there the first decides.
+closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
+{
+  for (int i = 0; i < lights; ++i) {
+    float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
+    if (radiance > 0.0)
+      return sparkle_cone(color(radiance), view, seen[i].direction, angular_radius(seen[i]) + CONE_MARGIN, 0.0);
+  }
+  return reflection(n);
 }

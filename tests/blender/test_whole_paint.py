@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from measure import goniophotometer
 from metallic_paint import verify
+from metallic_paint.native import core_lights
 from metallic_paint.paint import Flakes, Paint, core_paint, material, presets
 from metallic_paint.scene import lights, needs
 from verification import scenes
@@ -162,6 +163,7 @@ def test_a_pixel_shows_the_sum_or_the_greater_of_sparkles_and_the_rest(compositi
 
 # --- highlight ---------------------------------------------------------------------------------
 
+CONE_MARGIN = 1e-3  # of osl/cones.h
 MIRROR = Paint(flakes_per_mm2=0, substrate_color=(0, 0, 0), binder_ior=3)
 
 
@@ -180,6 +182,36 @@ def mirrored_directions(probe: verify.Probe) -> np.ndarray:
     tree.links.remove(tree.nodes["Background"].inputs["Color"].links[0])
     reflectance = probe.picture()
     return 2 * picture / reflectance - 1
+
+
+@pytest.mark.parametrize("hit", [False, True], ids=["lamp only sampled", "lamp hit by rays too"])
+def test_a_smooth_coat_mirrors_a_listed_light_once(hit: bool) -> None:
+    """Its disc, in each sample: what lamp sampling finds, and no ray that hits the lamp besides."""
+    probe = probe_of(
+        dataclasses.replace(SPHERE, lamps=(scenes.sun("Sun", 60, 110, 40),), paint=MIRROR)
+    )
+    sun = bpy.data.objects["Sun"].data
+    sun.cycles.use_multiple_importance_sampling = hit
+    probe.scene.cycles.max_bounces = 1  # or no ray that the coat mirrors would meet the lamp
+    picture = probe.picture()
+    geometry = probe.geometry()
+    shade = core.shade(core_paint(MIRROR), core_lights(), **geometry.places())
+    # Cycles gives each direction of the disc the same share; energy weighs them by the cosine.
+    irradiance = sun.energy * 2 / (1 + np.cos(sun.angle / 2))
+    wanted = np.zeros(picture.shape)
+    wanted[geometry.hit] = shade["shine"][:, 0, np.newaxis] * irradiance
+    disc = wanted.max(axis=-1) > 0
+    assert disc.sum() > 20
+    edge = (picture.max(axis=-1) > 0) != disc  # where rounding decides
+    assert edge.sum() <= 1
+    if not hit:
+        np.testing.assert_allclose(picture[~edge], wanted[~edge], rtol=1e-3)
+        return
+    # A ray into the cone's rim misses the lamp, and then half of its light: of such rays the share
+    # q is expected.
+    q = 1 - (1 + CONE_MARGIN / (sun.angle / 2)) ** -2
+    mean = (picture[disc & ~edge] / wanted[disc & ~edge]).mean()
+    assert mean == pytest.approx(1, abs=4 * np.sqrt(q / disc.sum()) / 2)
 
 
 @pytest.mark.parametrize("slope", [0.01, 0.05])
