@@ -184,6 +184,17 @@ STRIPS = {
             for scale in (1, 20) for kind in ("exact", "published")
         },
     ),
+    "anchor": Strip(  # pixels of a twelfth of a flake
+        "silver-coarse",
+        {
+            words: {"anchor": words, "flake_diameter_um": 900, "flakes_per_mm2": 2}
+            for words in ("pixel", "surface")
+        },
+        near=True,
+    ),
+    "cells-per-pixel": Strip(
+        "silver-coarse", {str(n): {"cells_per_pixel": n} for n in (1, 5, 20, 64)}, near=True
+    ),
     "seed": Strip(
         "silver-coarse",
         {str(number): {"seed": number, "flakes_per_mm2": 500} for number in (0, 1, 2)},
