@@ -39,7 +39,7 @@ class Effort:
 
 
 def growth(quick: bool) -> Iterator[Row]:
-    effort = Effort(64, 1 << 16, 3) if quick else Effort(128, 1 << 18, 5)
+    effort = Effort(64, 1 << 15, 2) if quick else Effort(128, 1 << 17, 5)
     for measure in (flakes, counts, lights, species, resolution, painted_materials):
         say(f"  {measure.__name__.replace('_', ' ')}")
         yield from measure(effort)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 
 from common import blender_env
@@ -13,11 +14,20 @@ blender_env.prepare()
 import bpy  # noqa: E402
 from pictures import render_scene  # noqa: E402
 
+from bench import equal_error  # noqa: E402
+from bench.error import render_all  # noqa: E402
 from bench.growth import growth  # noqa: E402
-from bench.rows import Found, write  # noqa: E402
+from bench.rows import ERROR, SERIES, Found, Row, write  # noqa: E402
 from bench.samples import samples  # noqa: E402
 
-MEASURES = {"samples": samples, "growth": growth}
+
+def error(quick: bool) -> Iterator[Row]:
+    """The report draws the pictures' errors too."""
+    render_all(SERIES, quick)
+    yield from equal_error.rows(equal_error.load_all(SERIES))
+
+
+MEASURES = {"samples": samples, "growth": growth, ERROR: error}
 
 
 def main() -> None:

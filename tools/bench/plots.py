@@ -3,17 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
+from accuracy.results import flip
 from common.figures import COLOUR, DARK, STYLE, save
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-from bench.rows import Found, Row
+from bench import equal_error
+from bench.rows import SERIES, Found, Row
 
 COLOURS = (COLOUR, "C1")  # of the Blenders
+METHODS = dict(zip((equal_error.PAINT, *equal_error.OTHERS), (COLOUR, DARK, "C1", "C2"),
+                   strict=True))  # fmt: skip
+GREY_LEVEL = 0.2  # linear
 MOST_LINEAR, MOST_TICKS = 32, 6  # of a curve whose every place is named
 
 
@@ -66,6 +72,59 @@ def _curve(axes: Axes, rows: Sequence[Row], blender: str, colour: str) -> None:
     if len(places) < MOST_TICKS and wide <= MOST_LINEAR:
         axes.set_xticks(places, [f"{place:g}" for place in places])
         axes.minorticks_off()
+
+
+def draw_error(found: Sequence[Found], file: Path) -> None:
+    """Errors against time where flakes in a pixel are few and many, and what follows for all."""
+    by_flakes = equal_error.load_all(SERIES)
+    few, many = min(by_flakes), max(by_flakes)
+    middle = sorted(by_flakes)[len(by_flakes) // 2]
+    with plt.rc_context(STYLE):
+        figure, grid = plt.subplots(2, 3, figsize=(12, 7), layout="constrained")
+        for axes, flakes, what, errors in (
+            (grid[0, 0], few, "RMSE, of the mean", equal_error.Series.rmse),
+            (grid[0, 1], many, "RMSE, of the mean", equal_error.Series.rmse),
+            (grid[0, 2], middle, "FLIP", lambda series: series.errors(_flip)),
+            (grid[1, 0], many, "error of the mean", _errors(equal_error.of_mean)),
+            (grid[1, 1], many, "error of the variance", _errors(equal_error.of_variance)),
+        ):
+            for method, colour in METHODS.items():
+                series = by_flakes[flakes][method]
+                axes.plot(series.times * 1e6, errors(series), "o-", ms=4, color=colour,
+                          label=method)  # fmt: skip
+            axes.set_title(f"{what}: {flakes:g} flakes in a pixel", loc="left", fontweight="bold")
+            axes.set_xscale("log")
+            axes.set_yscale("log")
+            axes.set_xlabel("processor time of a pixel, µs")
+        _factors(grid[1, 2], found[0])
+        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+        save(figure, file)
+
+
+def _errors(
+    error: Callable[[np.ndarray, np.ndarray], float],
+) -> Callable[[equal_error.Series], np.ndarray]:
+    return lambda series: series.errors(error)
+
+
+def _flip(converged: np.ndarray, picture: np.ndarray) -> float:
+    """With the mean a middle grey."""
+    exposure = GREY_LEVEL / float(converged.mean())
+    return flip(exposure * converged, exposure * picture)
+
+
+def _factors(axes: Axes, found: Found) -> None:
+    for other in equal_error.OTHERS:
+        rows = [row for row in found.rows if row.curve == equal_error.curve_of(other)]
+        axes.plot([row.at for row in rows], [row.median for row in rows], "o-", ms=4,
+                  color=METHODS[other])  # fmt: skip
+    axes.axhline(1, color=DARK, lw=0.8)
+    axes.axhline(equal_error.LEAST, color=DARK, lw=1.5, ls="--")
+    axes.set_title(f"time to an RMSE of {equal_error.ERROR:g}, over the paint's", loc="left",
+                   fontweight="bold")  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("flakes in a pixel; dashed: the bar over explicit flakes")
 
 
 def _ratios(axes: Axes, rows: Sequence[Row], blender: str, colour: str) -> None:

@@ -42,6 +42,14 @@ CAPTIONS = {
     "point's time. ⟨N⟩ is the mean count of sparkles in a pixel. With more flakes, flakes and "
     "pixels shrink alike. With more pixels, the picture shows more paint. Further lights are suns "
     "in other places; paints in one picture lie in 20 strips.",
+    "error": "A plane under a sun: the paint, Voronoi and noise flakes without a coat, and every "
+    "flake of a layer as a disc in a mesh, with the metal of the Voronoi flakes, their tilt as the "
+    "binder shows it, and no binder. Each method is held against its own converged picture (other "
+    "samples of it), so the error is noise alone; how the converged pictures differ stands below. "
+    "Explicit flakes are not waited for: beyond the last picture their error falls as the root of "
+    "the samples. The fewer flakes in a pixel, the less is won; a picture that shows single flakes "
+    "is one for a mesh. Pictures hold few sparkles where flakes in a pixel are few, so figures "
+    "there are rough. In the first Blender.",
     "core": "The sparkles of one sun in a pixel, by the C++ core: in one thread by Google "
     "Benchmark (`tests/benchmark/speed.cpp`), in batches through numpy arrays, where mean and "
     "variance are computed besides. Double is the reference and integrates what float has in "
@@ -72,10 +80,11 @@ def report(found: Sequence[Found]) -> Iterator[str]:
 
 TITLES = {
     "waits": "Waits", "memory": "Memory", "samples": "Time per sample", "growth": "Growth",
-    "core": "The core",
+    "error": "Time to equal error", "core": "The core",
 }  # fmt: skip
 DRAWN = {
     "waits": plots.draw_ratios, "samples": plots.draw_ratios, "growth": plots.draw_growth,
+    "error": plots.draw_error,
 }  # fmt: skip
 
 
@@ -90,10 +99,10 @@ def _cells(parts: Sequence[Found]) -> Iterator[list[str]]:
     single = ([row for row in part.rows if not row.curve] for part in parts)
     for rows in zip(*single, strict=True):
         for part, row in zip(parts, rows, strict=True):
-            low, high = row.quartiles
+            ends = " to ".join(_number(end, row, False) for end in row.quartiles)
             yield [
-                row.quantity, part.blender, _number(row.median, row),
-                f"{_number(low, row, False)} to {_number(high, row, False)}", _bar(row), row.orientation,
+                row.quantity, part.blender, _number(row.median, row), ends, _bar(row),
+                row.orientation,
             ]  # fmt: skip
 
 

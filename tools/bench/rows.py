@@ -11,10 +11,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from common import bars, files
+from common.processes import BUILD
 
 RENDERED = ("samples", "growth")  # within one Blender
+ERROR = "error"  # in the first Blender alone
 CORE = "core"
-PARTS = ("waits", "memory", *RENDERED, CORE)
+PARTS = ("waits", "memory", *RENDERED, ERROR, CORE)
+WORK = BUILD / "bench"
+SERIES = WORK / "error"  # the pictures
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,13 @@ from pathlib import Path
 from common import bars, environments
 from common.benchmark_build import build
 from common.environments import FIRST_BLENDER, Blender
-from common.processes import BUILD, ROOT, TOOLS, StepFailedError, run_program, say
+from common.processes import ROOT, TOOLS, StepFailedError, run_program, say
 from common.report_folder import BENCH, REPORT, check_file
 
 from bench.processes import run
-from bench.rows import CORE, PARTS, RENDERED, Found, read, write
+from bench.rows import CORE, ERROR, PARTS, RENDERED, SERIES, WORK, Found, read, write
 from bench.waits import waits
 
-WORK = BUILD / "bench"
 FOUND = "found.json"
 
 
@@ -71,7 +70,7 @@ def main() -> int:
         environments.prepare(FIRST_BLENDER)
     blenders = [FIRST_BLENDER] if quick else environments.prepare_blenders()
     shutil.rmtree(WORK, ignore_errors=True)
-    WORK.mkdir(parents=True)
+    SERIES.mkdir(parents=True)
     found: list[Found] = []
     for blender in blenders:
         if {"waits", "memory"} & set(chosen):
@@ -80,6 +79,8 @@ def main() -> int:
         for part in RENDERED:
             if part in chosen:
                 found += measure(blender, part, quick)
+    if ERROR in chosen:
+        found += measure(FIRST_BLENDER, ERROR, quick)
     if CORE in chosen:
         found += measure_core(quick)
     write(found, WORK / FOUND)

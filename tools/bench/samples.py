@@ -39,7 +39,7 @@ LIGHTS = (
 
 
 def samples(quick: bool) -> Iterator[Row]:
-    size, samples_taken, repetitions = (64, 1 << 16, 3) if quick else (128, 1 << 19, 7)
+    size, samples_taken, repetitions = (64, 1 << 15, 3) if quick else (128, 1 << 18, 5)
     for light in LIGHTS:
         say(f"  under {light.name}")
         stage = Stage(light.lamps, light.sky)

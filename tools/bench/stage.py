@@ -75,9 +75,19 @@ class Stage:
             mesh.materials.append(each)
             mesh.polygons[i].material_index = i
         thing = bpy.data.objects.new(name, mesh)
+        self.stand(thing, half)
+        self.look(name, thing, size, width, osl)
+
+    def stand(self, thing: bpy.types.Object, half: float) -> None:
+        """Beside the others; it reaches so far from its middle."""
         thing.location.x = self._end + half
         self._end += 2.2 * half
         self.scene.collection.objects.link(thing)
+
+    def look(
+        self, name: str, thing: bpy.types.Object, size: int, width: float, osl: bool = True
+    ) -> None:
+        """A view of its middle."""
         self.views[name] = View(thing.location.x, width, size, osl)
 
     def light_with(self, count: int) -> None:
@@ -96,8 +106,9 @@ class Stage:
             self._without_osl = self.scene.copy()
             self._without_osl.cycles.shading_system = False
 
-    def picture(self, name: str, samples: int) -> np.ndarray:
+    def picture(self, name: str, samples: int, seed: int = 0) -> np.ndarray:
         """(size, size, 3), linear."""
+        self.scene.cycles.seed = seed
         return verify.render(self._aim(name, samples))
 
     def render(self, name: str, samples: int) -> float:

@@ -35,7 +35,7 @@ SESSIONS = (ONE_METAL, ONE_PAINT, METALS, VARIED, PRESETS, FEW, DENSE)
 
 def waits(blender: Blender, work: Path, quick: bool) -> list[Found]:
     found: dict[Session, dict[str, list[float]]] = {session: {} for session in SESSIONS}
-    repetitions = 1 if quick else 5
+    repetitions = 1 if quick else 3
     for i in range(repetitions):
         say(f"  round {i + 1} of {repetitions}")
         for session, values in found.items():

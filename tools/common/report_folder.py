@@ -50,7 +50,7 @@ class ReportFolder:
 
 ACCURACY = ReportFolder("accuracy", ("choices.png", "draws.png", "depth.png", "pictures.png"))
 MEASURE = ReportFolder("measure", ("goniophotometer.png",))
-BENCH = ReportFolder("bench", ("waits.png", "samples.png", "growth.png"))
+BENCH = ReportFolder("bench", ("waits.png", "samples.png", "growth.png", "error.png"))
 MOTION = ReportFolder("motion", ("motion.webp", "turntable.jpg", "dolly.jpg", "pan.jpg", "sun.jpg"))
 
 
