@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -74,6 +75,16 @@ class Series:
         return float(times[-1] * (errors[-1] / error) ** 2)
 
 
+def crossing(factors: dict[float, float]) -> float | None:
+    """Where they pass 1, between two places as a power law; none if they do not."""
+    places = list(factors)
+    for low, high in itertools.pairwise(places):
+        if factors[low] < 1 <= factors[high]:
+            share = -math.log(factors[low]) / math.log(factors[high] / factors[low])
+            return low * (high / low) ** share
+    return None
+
+
 def of_mean(converged: np.ndarray, picture: np.ndarray) -> float:
     """The mean over the pixels, off that of the converged picture, relatively."""
     return abs(float(picture.mean() / converged.mean()) - 1)
@@ -121,6 +132,8 @@ def rows(found: dict[float, dict[str, Series]]) -> Iterator[Row]:
         for flakes, methods in found.items():
             ratio = quantity(methods[PAINT].converged) / quantity(methods[EXPLICIT].converged)
             yield Row(name, [float(ratio)], curve=name, at=flakes)
+    if (end := crossing(factors[EXPLICIT])) is not None:
+        yield Row("flakes in a pixel below which explicit flakes are sooner", [end])
     most = max(found)
     yield Row(f"time of explicit flakes over the paint's, {most:g} flakes in a pixel",
               [factors[EXPLICIT][most]], LEAST, bound="at least")  # fmt: skip

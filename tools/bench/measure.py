@@ -15,6 +15,7 @@ import bpy  # noqa: E402
 from pictures import render_scene  # noqa: E402
 
 from bench import equal_error  # noqa: E402
+from bench.absent_parts import absent_parts  # noqa: E402
 from bench.error import render_all  # noqa: E402
 from bench.growth import growth  # noqa: E402
 from bench.rows import ERROR, SERIES, Found, Row, write  # noqa: E402
@@ -27,7 +28,7 @@ def error(quick: bool) -> Iterator[Row]:
     yield from equal_error.rows(equal_error.load_all(SERIES))
 
 
-MEASURES = {"samples": samples, "growth": growth, ERROR: error}
+MEASURES = {"samples": samples, "growth": growth, "absent": absent_parts, ERROR: error}
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from accuracy.results import flip
 from common.figures import COLOUR, DARK, STYLE, save
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, NullLocator, StrMethodFormatter
 
 from bench import equal_error
 from bench.rows import SERIES, Found, Row
@@ -95,6 +95,7 @@ def draw_error(found: Sequence[Found], file: Path) -> None:
             axes.set_title(f"{what}: {flakes:g} flakes in a pixel", loc="left", fontweight="bold")
             axes.set_xscale("log")
             axes.set_yscale("log")
+            axes.yaxis.set_minor_formatter(NullFormatter())
             axes.set_xlabel("processor time of a pixel, µs")
         _factors(grid[1, 2], found[0])
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4)

@@ -42,6 +42,9 @@ CAPTIONS = {
     "point's time. ⟨N⟩ is the mean count of sparkles in a pixel. With more flakes, flakes and "
     "pixels shrink alike. With more pixels, the picture shows more paint. Further lights are suns "
     "in other places; paints in one picture lie in 20 strips.",
+    "absent": "What a scene does not use costs nothing: operations that OSL keeps of the shader, "
+    "over those where the part is cut from its text, and where these differ, times. The first time "
+    "is of two copies of the same shader: noise.",
     "error": "A plane under a sun: the paint, Voronoi and noise flakes without a coat, and every "
     "flake of a layer as a disc in a mesh, with the metal of the Voronoi flakes, their tilt as the "
     "binder shows it, and no binder. Each method is held against its own converged picture (other "
@@ -80,7 +83,7 @@ def report(found: Sequence[Found]) -> Iterator[str]:
 
 TITLES = {
     "waits": "Waits", "memory": "Memory", "samples": "Time per sample", "growth": "Growth",
-    "error": "Time to equal error", "core": "The core",
+    "absent": "Absent parts", "error": "Time to equal error", "core": "The core",
 }  # fmt: skip
 DRAWN = {
     "waits": plots.draw_ratios, "samples": plots.draw_ratios, "growth": plots.draw_growth,

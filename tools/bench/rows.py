@@ -13,7 +13,7 @@ from pathlib import Path
 from common import bars, files
 from common.processes import BUILD
 
-RENDERED = ("samples", "growth")  # within one Blender
+RENDERED = ("samples", "growth", "absent")  # within one Blender
 ERROR = "error"  # in the first Blender alone
 CORE = "core"
 PARTS = ("waits", "memory", *RENDERED, ERROR, CORE)
