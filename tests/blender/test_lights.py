@@ -219,6 +219,33 @@ def test_a_constrained_light_is_followed(place: Place, painted: object) -> None:
     assert slot(1)[1] == pytest.approx((0.6, 0, 0.8), abs=EPSILON)
 
 
+@pytest.mark.parametrize("turn", [1e-4, 4e-4, 1e-3])
+def test_drivers_round_nothing(turn: float, place: Place, painted: object) -> None:
+    """Near an axis, and near nothing."""
+    place("SUN", "A sun", rotation_euler=(turn, 0, 0), angle=turn)
+    place("POINT", "B lamp", location=(turn, 1 + turn, 0), shadow_soft_size=turn)
+    fill()
+    bpy.context.view_layer.update()
+    assert slot(1)[1] == pytest.approx((0, -turn, 1), rel=1e-4)
+    assert slot(1)[2] == pytest.approx(turn / 2)
+    assert slot(2)[1] == pytest.approx((turn, 1 + turn, 0))
+    assert slot(2)[2] == pytest.approx(turn)
+
+
+def test_a_light_without_a_size_is_followed(
+    place: Place, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """An attribute of size 0 would look like one that is missing."""
+    camera_above()
+    sun = place("SUN", "A sun", angle=0)
+    lamp = place("POINT", "B lamp", shadow_soft_size=0)
+    fill()
+    show_slots(painted.active_material)
+    sun.rotation_euler, lamp.location = (0.5, 0, 0), (1, 2, 3)
+    shown = shown_slots(render(tmp_path / "moved.exr"))
+    assert shown == pytest.approx([0, -math.sin(0.5), math.cos(0.5), 1, 2, 3, 0], abs=1e-6)
+
+
 def test_a_light_of_no_extent_at_all_gives_no_driver_error(place: Place, painted: object) -> None:
     place("SUN", "Sun", scale=(0, 0, 0))
     fill()

@@ -89,6 +89,8 @@ def attach(things: Collection[bpy.types.Object]) -> bool:
     new = [thing for thing in things if thing.get(_POINTER) != tree]
     for thing in new:
         thing[_POINTER] = tree
+        if thing.override_library is None:  # so that an override's is stored where it is linked to
+            thing.property_overridable_library_set(f'["{_POINTER}"]', True)
         thing.update_tag()
     return bool(new)
 
@@ -197,7 +199,9 @@ def _drive(
     expression: str,
     variables: Mapping[str, tuple[bpy.types.ID, str]],
 ) -> None:
-    driver = tree.driver_add(data_path, index).driver  # type: ignore[union-attr]  # of one number
+    curve: bpy.types.FCurve = tree.driver_add(data_path, index)  # type: ignore[assignment]
+    curve.keyframe_points.clear()  # Blender 5 rounds to the nearer of its keys (0, 0) and (1, 1)
+    driver = curve.driver
     driver.type = "SCRIPTED"
     for name, (datablock, of) in variables.items():
         variable = driver.variables.new()
