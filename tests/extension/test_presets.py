@@ -161,9 +161,23 @@ def test_own_presets_outlive_the_package(
 ) -> None:
     painted.name = "My Gold/2"
     file = addon("interface.preset_operators").own_file(addon("paint.material").paint_node(painted))
-    assert file.name == "my-gold_2.json"
+    assert file.name == "my-gold-2.json"
     assert file.parent.is_dir()
     assert installed not in file.parents
+
+
+def test_own_presets_keep_accents_and_never_share_a_file(
+    painted: bpy.types.Material, addon: Addon, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    operators = addon("interface.preset_operators")
+    monkeypatch.setattr(operators, "own_folder", lambda create: tmp_path)
+    node = addon("paint.material").paint_node(painted)
+    painted.name = "Flocon d'été/2"
+    first = operators.own_file(node)
+    assert first == tmp_path / "flocon-d-été-2.json"
+    first.touch()
+    painted.name = "flocon d été.2"
+    assert operators.own_file(node) == tmp_path / "flocon-d-été-2-2.json"
 
 
 def test_saving_without_a_name(painted: bpy.types.Material) -> None:

@@ -227,6 +227,28 @@ def test_a_failed_save_leaves_the_earlier_file_whole(
     assert [path.name for path in tmp_path.iterdir()] == ["mine.json"]
 
 
+def test_a_description_that_would_not_be_read_back_is_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "long.json"
+    with pytest.raises(PresetError, match=r"description has 70000 characters.*65536 bytes"):
+        presets.save(Paint(), path, "a" * 70_000)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
+    file, link = tmp_path / "shared.json", tmp_path / "link.json"
+    file.write_text(text({}))
+    link.symlink_to(file)
+    presets.save(Paint(tilt=0.2), link)
+    assert link.is_symlink()
+    assert presets.load(file).tilt == 0.2
+
+
+def test_a_byte_order_mark_is_skipped(tmp_path: Path) -> None:
+    path = tmp_path / "marked.json"
+    path.write_text(text({"tilt": 0.2}), encoding="utf-8-sig")
+    assert presets.load(path).tilt == 0.2
+
+
 def test_a_field_left_out_has_its_default(tmp_path: Path) -> None:
     head = f'"schema_version": 2, "defaults": {table.VERSION_OF_DEFAULTS}'
     (tmp_path / "mine.json").write_text(f'{{{head}, "paint": {{"tilt": 0.3}}}}')

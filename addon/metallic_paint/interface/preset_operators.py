@@ -7,6 +7,8 @@ put there. A swatch is a picture beside the presets that ship; without it the en
 
 from __future__ import annotations
 
+import itertools
+import unicodedata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 SWATCHES = Path(__file__).parent.parent / "swatches"
+
+_MOST_LETTERS = 48  # of four bytes at most, so that a file may have the name
 
 _previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while registered
 
@@ -42,10 +46,13 @@ def own() -> list[Path]:
 
 
 def own_file(node: bpy.types.ShaderNodeGroup) -> Path:
-    """Where the paint is saved unless one says otherwise: named after its material."""
+    """Where the paint is saved unless one says otherwise: named after its material, and new."""
     owner = next(each for each in bpy.data.materials if each.node_tree == node.id_data)
-    name = bpy.path.clean_name(owner.name.lower().replace(" ", "-"))
-    return own_folder(create=True) / f"{name}.json"
+    letters = unicodedata.normalize("NFC", owner.name.lower())[:_MOST_LETTERS]
+    name = "".join(each if each.isalnum() or each == "_" else "-" for each in letters)
+    folder = own_folder(create=True)
+    numbered = (f"{name}-{i}" if i > 1 else name for i in itertools.count(1))
+    return next(path for each in numbered if not (path := folder / f"{each}.json").exists())
 
 
 def swatch(name: str) -> int:
@@ -163,7 +170,7 @@ finds it, or elsewhere, to share it"""
             return {"CANCELLED"}
         try:
             presets.save(material.paint_of(operators.paint_node(context)), path, self.description)
-        except PaintError as error:
+        except (presets.PresetError, PaintError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         except OSError as error:

@@ -64,16 +64,25 @@ def load(name_or_path: str | os.PathLike[str]) -> Paint:
 
 
 def save(paint: Paint, path: str | os.PathLike[str], description: str = "") -> None:
-    """Writes the file whole or not at all."""
+    """Writes the file whole or not at all, through a symbolic link into the file it names.
+
+    Raises PresetError for what load would refuse, OSError where nothing can be written.
+    """
     content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
     content["defaults"] = table.VERSION_OF_DEFAULTS
     if description:
         content["description"] = description
     content["paint"] = _differences(paint)
-    path = Path(path)
+    data = _text(content).encode("utf-8")
+    path = Path(os.path.realpath(path))
+    if len(data) > MAX_BYTES:
+        raise PresetError(
+            f"{path}: description has {len(description)} characters, but a preset must be of at "
+            f"most {MAX_BYTES} bytes."
+        )
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        unfinished.write_text(_text(content), encoding="utf-8")
+        unfinished.write_bytes(data)
         unfinished.replace(path)
     finally:
         with contextlib.suppress(FileNotFoundError):
@@ -167,7 +176,7 @@ def _parse(path: Path) -> object:
         raise PresetError(f"{path} is larger than {MAX_BYTES} bytes, the limit for a preset.")
     try:
         return json.loads(
-            data.decode("utf-8"), parse_constant=_reject_constant, object_pairs_hook=_unique
+            data.decode("utf-8-sig"), parse_constant=_reject_constant, object_pairs_hook=_unique
         )
     except _NotStrictError as error:
         raise PresetError(f"{path}: {error}") from error
