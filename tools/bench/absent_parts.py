@@ -164,8 +164,7 @@ def operations(name: str) -> int:
     return int(re.search(r"Optimized \d+ ops to (\d+)", ran.stdout + ran.stderr)[1])
 
 
-def absent_parts(quick: bool) -> Iterator[Row]:
-    """With `quick` the operations alone."""
+def absent_parts() -> Iterator[Row]:
     whole = {name: operations(name) for name in (WHOLE, WHOLE_UNLIT)}
     left: dict[str, Text] = {}
     for name, edit in cuts().items():
@@ -178,11 +177,10 @@ def absent_parts(quick: bool) -> Iterator[Row]:
                   LIMIT if gone else None, orientation=f"{of_whole} / {kept}")  # fmt: skip
         if not gone:
             left[name] = edit
-    if not quick:
-        for whole_name in whole:
-            unlit = is_unlit(whole_name)
-            if still := {n: e for n, e in left.items() if is_unlit(n) == unlit}:
-                yield from race(whole_name, still)
+    for whole_name in whole:
+        unlit = is_unlit(whole_name)
+        if still := {n: e for n, e in left.items() if is_unlit(n) == unlit}:
+            yield from race(whole_name, still)
 
 
 def race(whole: str, chosen: dict[str, Text]) -> Iterator[Row]:

@@ -23,7 +23,6 @@ FLAKES = (1e3, 1e6, 1e9, 1e12, 1e15)  # per m²
 COUNTS = (0.01, 0.1, 1, 10, 100, 1e4, 1e6)  # ⟨N⟩ of a pixel
 LIGHTS = (1, 2, 4, 8)
 SIZES = (64, 128, 256, 512)  # pixels along each side
-MATERIALS = (1, 5, 20)  # in a picture
 SUNS = tuple(scenes.sun(f"Sun {i}", 45 + 4 * i, 60 + 14 * i, 0.53) for i in range(max(LIGHTS)))
 
 FLAT = 1.05  # the dearest over the cheapest, at most
@@ -36,10 +35,15 @@ class Effort:
     size: int
     samples: int
     repetitions: int
+    materials: tuple[int, ...]  # painted ones in a picture
+
+
+FULL = Effort(128, 1 << 17, 5, (1, 5, 20))
+QUICK = Effort(64, 1 << 15, 2, (1, 5))
 
 
 def growth(quick: bool) -> Iterator[Row]:
-    effort = Effort(64, 1 << 15, 2) if quick else Effort(128, 1 << 17, 5)
+    effort = QUICK if quick else FULL
     for measure in (flakes, counts, lights, species, resolution, painted_materials):
         say(f"  {measure.__name__.replace('_', ' ')}")
         yield from measure(effort)
@@ -140,8 +144,8 @@ def resolution(effort: Effort) -> Iterator[Row]:
 def painted_materials(effort: Effort) -> Iterator[Row]:
     """As many strips of the picture, with so many paints by turns."""
     stage = Stage([scenes.SUN])
-    made = [material.create(paint) for paint in varied(max(MATERIALS))]
-    for count in MATERIALS:
-        strips = [made[i % count] for i in range(max(MATERIALS))]
+    made = [material.create(paint) for paint in varied(max(effort.materials))]
+    for count in effort.materials:
+        strips = [made[i % count] for i in range(max(effort.materials))]
         stage.add(f"{count} materials", strips, effort.size)
-    yield from curve("painted materials in a picture", race(stage, effort, MATERIALS))
+    yield from curve("painted materials in a picture", race(stage, effort, effort.materials))

@@ -13,7 +13,8 @@ from pathlib import Path
 from common import bars, files
 from common.processes import BUILD
 
-RENDERED = ("samples", "growth", "absent")  # within one Blender
+ABSENT = "absent"  # not with --quick
+RENDERED = ("samples", "growth", ABSENT)  # within one Blender
 ERROR = "error"  # in the first Blender alone
 CORE = "core"
 PARTS = ("waits", "memory", *RENDERED, ERROR, CORE)

@@ -13,7 +13,7 @@ from common.environments import Blender
 from common.processes import TOOLS, say
 
 from bench.processes import run
-from bench.rows import Found, Row, ratios, seconds
+from bench.rows import Found, Row, seconds
 
 MANY = 20
 FEW_FLAKES, MANY_FLAKES = "1e3", "1e15"  # per m²
@@ -30,15 +30,20 @@ class Session:
 ONE_METAL, ONE_PAINT = Session("principled", steps=3), Session("varied", steps=3)
 METALS, VARIED, PRESETS = (Session(c, MANY) for c in ("principled", "varied", "presets"))
 FEW, DENSE = Session(FEW_FLAKES), Session(MANY_FLAKES)
-SESSIONS = (ONE_METAL, ONE_PAINT, METALS, VARIED, PRESETS, FEW, DENSE)
+SHORT = (ONE_METAL, ONE_PAINT, METALS, FEW, DENSE)
+LONG = (PRESETS, VARIED)  # held once: their times are long enough to be sure
+Times = dict[Session, dict[str, list[float]]]
 
 
 def waits(blender: Blender, work: Path, quick: bool) -> list[Found]:
-    found: dict[Session, dict[str, list[float]]] = {session: {} for session in SESSIONS}
+    """With `quick` without the paints that differ in values alone."""
+    found: Times = {}
     repetitions = 1 if quick else 3
     for i in range(repetitions):
         say(f"  round {i + 1} of {repetitions}")
-        for session, values in found.items():
+        sessions = SHORT if i else (*SHORT, *LONG[: 1 if quick else None])
+        for session in sessions:
+            values = found.setdefault(session, {})
             for name, value in _hold(blender, session, work / "session.json").items():
                 values.setdefault(name, []).append(value)
     return [
@@ -54,45 +59,48 @@ def _hold(blender: Blender, session: Session, file: Path) -> dict[str, float]:
     return json.loads(file.read_text(encoding="utf-8"))
 
 
-def _waits(found: dict[Session, dict[str, list[float]]]) -> list[Row]:
+def _waits(found: Times) -> list[Row]:
     metal, paint = found[ONE_METAL], found[ONE_PAINT]
     first = metal["first"]
 
     def over_first(what: str, times: Sequence[float], limit: float | None) -> Row:
         behind = f"{seconds(times)} / {seconds(first)}"
-        return Row(f"{what} over Principled's first", ratios(times, first), limit,
-                   orientation=behind)  # fmt: skip
+        values = [each / statistics.median(first) for each in times]
+        return Row(f"{what} over Principled's first", values, limit, orientation=behind)
 
     def above(what: str, name: str) -> Row:
         more = [a - b for a, b in zip(paint[name], metal[name], strict=True)]
         behind = f"{seconds(paint[name])} − {seconds(metal[name])}"
         return Row(f"{what} above Principled's", more, ABOVE, "s", orientation=behind)
 
+    many = [over_first(f"before the first sample: {MANY} presets", found[PRESETS]["first"], 60)]
+    if VARIED in found:
+        what = f"before the first sample: {MANY} paints of other values"
+        many.append(over_first(what, found[VARIED]["first"], 60))
     return [
         over_first("before the first sample: one paint", paint["first"], 5),
-        over_first(f"before the first sample: {MANY} paints of other values",
-                   found[VARIED]["first"], 60),
-        over_first(f"before the first sample: {MANY} presets", found[PRESETS]["first"], 60),
+        *many,
         over_first(f"before the first sample: {MANY} Principled", found[METALS]["first"], None),
         over_first("after a slider's step: the paint", paint["slider"], 5),
         over_first("after a slider's step: Principled", metal["slider"], None),
         above("after a lamp's move", "move"),
         above("in each frame with a moving lamp", "frame"),
         over_first("making the material, once in a file", paint["made"], None),
-    ]  # fmt: skip
+    ]
 
 
-def _memory(found: dict[Session, dict[str, list[float]]]) -> list[Row]:
+def _memory(found: Times) -> list[Row]:
     def over(what: str, a: Session, b: Session, limit: float | None = None) -> Row:
         bytes_a, bytes_b = found[a]["peak"], found[b]["peak"]
         behind = " / ".join(
             f"{statistics.median(each) / 1e6:.0f} MB" for each in (bytes_a, bytes_b)
         )
-        return Row(f"peak memory: {what}", ratios(bytes_a, bytes_b), limit, orientation=behind)
+        values = [each / statistics.median(bytes_b) for each in bytes_a]
+        return Row(f"peak memory: {what}", values, limit, orientation=behind)
 
     return [
         over("one paint over one Principled", ONE_PAINT, ONE_METAL),
         over(f"{MANY} presets over {MANY} Principled", PRESETS, METALS),
-        over(f"{MANY} paints over one", VARIED, ONE_PAINT),
+        over(f"{MANY} presets over one paint", PRESETS, ONE_PAINT),
         over(f"{MANY_FLAKES} flakes per m² over {FEW_FLAKES}", DENSE, FEW, 1.05),
     ]
