@@ -67,3 +67,12 @@ def test_a_report_holds_every_part_and_its_bars(tmp_path: Path) -> None:
     assert len({bar.name for bar in found}) == len(found)
     assert all(bar.value is not None for bar in found)
     assert (done.returncode == 0) == all(bar.holds for bar in found)
+
+
+def test_the_committed_report_is_one_of_the_commands() -> None:
+    folder = ROOT / "docs" / "bench"
+    text = (folder / REPORT).read_text(encoding="utf-8")
+    assert text.startswith(BENCH.mark)
+    for picture in BENCH.pictures:
+        assert f"]({picture})" in text
+        assert (folder / picture).stat().st_size < 500_000
