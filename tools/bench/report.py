@@ -112,14 +112,15 @@ def _cells(parts: Sequence[Found]) -> Iterator[list[str]]:
             places = ", ".join(f"{row.at:g}" for row in rows)
             medians = ", ".join(_number(row.median, row) for row in rows)
             yield [f"{curve}: {places}", part.blender, medians, "", "", rows[0].orientation]
-    single = ([row for row in part.rows if not row.curve] for part in parts)
-    for rows in zip(*single, strict=True):
-        for part, row in zip(parts, rows, strict=True):
-            ends = " to ".join(_number(end, row, False) for end in row.quartiles)
-            yield [
-                row.quantity, part.blender, _number(row.median, row), ends, _bar(row),
-                row.orientation,
-            ]  # fmt: skip
+    single = [(part, row) for part in parts for row in part.rows if not row.curve]
+    for quantity in dict.fromkeys(row.quantity for _, row in single):  # not all in every Blender
+        for part, row in single:
+            if row.quantity == quantity:
+                ends = " to ".join(_number(end, row, False) for end in row.quartiles)
+                yield [
+                    row.quantity, part.blender, _number(row.median, row), ends, _bar(row),
+                    row.orientation,
+                ]  # fmt: skip
 
 
 def _number(value: float, row: Row, with_unit: bool = True) -> str:
