@@ -243,7 +243,8 @@ def dolly(effort: Effort) -> Iterator[Row]:
     size = 2 * effort.size
     pixel = 2 * SLOPE * NEAREST / size
     one_flake = TOWARDS_CAMERA.z / (pixel * 1e3) ** 2  # on the plane that the camera looks down at
-    sparse = dataclasses.replace(PAINT, flakes_per_mm2=one_flake)
+    # A coat of index 1, which mirrors nothing: the lamp's own image would lie over the flakes.
+    sparse = dataclasses.replace(PAINT, flakes_per_mm2=one_flake, binder_ior=1)
     stage = Stage(size, sparse, LAMP)
     stage.add_plane(200)
     stage.look_through_lens(2 * math.atan(SLOPE))
