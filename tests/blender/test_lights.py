@@ -621,6 +621,42 @@ def test_what_an_empty_instances_carries_them(
     assert shown == pytest.approx([0, 0, 1, 7, 8, 9, 0.5], abs=1e-6)
 
 
+def test_overridden_and_instanced_objects_of_another_file_see_the_lights_of_this_one(
+    place: Place, tmp_path: Path
+) -> None:
+    """Where the other file's paint knows a light of that kind; also in the saved file."""
+    place("POINT", "Foreign lamp")
+    show_as_instance(paint_quad("Foreign"))
+    fill()
+    file = str(tmp_path / "foreign.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    paint_quad("Painted")
+    place("POINT", "Lamp")
+    with bpy.data.libraries.load(file, link=True) as (_, here):
+        here.collections = ["Instanced"]
+    [linked] = here.collections
+    empty = bpy.data.objects.new("Empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", linked
+    bpy.context.scene.collection.objects.link(empty)
+    linked.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+
+    def seeing() -> list[bpy.types.Object]:
+        overridden = [each for each in bpy.data.objects if each.override_library]
+        return [*overridden, bpy.data.objects["Empty"], bpy.data.objects["Painted"]]
+
+    assert len(seeing()) == 3
+    fill()
+    for thing in seeing():
+        bpy.data.objects["Lamp"].location = (0, 0, 0)
+        assert moved_lamp_is_seen_at(thing)
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert len(seeing()) == 3
+    assert all(map(carries, seeing()))
+
+
 def test_slots_of_an_older_file_become_todays(
     place: Place, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
