@@ -63,8 +63,8 @@ template <class T>
 LatticePlane lattice_plane(Vec3<T> n) {
   const T normal[3] = {n.x, n.y, n.z};
   LatticePlane plane{};
-  if (std::abs(n.y) > std::abs(n.x)) plane.w = 1;
-  if (std::abs(n.z) > std::max(std::abs(n.x), std::abs(n.y))) plane.w = 2;
+  if (abs(n.y) > abs(n.x)) plane.w = 1;
+  if (abs(n.z) > max(abs(n.x), abs(n.y))) plane.w = 2;
   plane.u = (plane.w + 1) % 3;
   plane.v = (plane.w + 2) % 3;
   plane.face = normal[plane.w] < 0 ? plane.w + 3 : plane.w;
@@ -82,10 +82,10 @@ HashWords own_stream(const Layer<T>& layer, const OwnSpace<T>& own, int kind, in
 // them counts as well.
 template <class T>
 std::uint32_t lattice_word(T cell) {
-  const T bounded = std::clamp(cell, T(-1e30), T(1e30));
-  const T high = std::floor(bounded * (T(1) / 16777216));
+  const T bounded = clamp(cell, T(-1e30), T(1e30));
+  const T high = floor(bounded * (T(1) / 16777216));
   const T low = bounded - high * T(16777216);
-  const int above = static_cast<int>(std::clamp(high, T(-1e9), T(1e9)));
+  const int above = static_cast<int>(clamp(high, T(-1e9), T(1e9)));
   return static_cast<std::uint32_t>(static_cast<int>(low)) +
          static_cast<std::uint32_t>(above) * 2654435761u;
 }
@@ -141,18 +141,18 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T n_u = normal[plane.u], n_v = normal[plane.v];
   const T t_u = across[plane.u], t_v = across[plane.v];
   const T u = place[plane.u], v = place[plane.v], w = place[plane.w];
-  const T facing = std::clamp(std::abs(normal[plane.w]), T(0.5), T(1));
+  const T facing = clamp(abs(normal[plane.w]), T(0.5), T(1));
 
-  const T pixel = std::clamp(point.footprint, T(1e-20), T(1e6)) * share;
+  const T pixel = clamp(point.footprint, T(1e-20), T(1e6)) * share;
   const T size = pixel + least;
-  const T c = std::clamp(cosine, T(kLongestFootprint), T(1));
+  const T c = clamp(cosine, T(kLongestFootprint), T(1));
   const T round_part = (pixel * c + least) / size;
   const T longer = pixel / (size * c);
   const T q_uu = round_part * (1 - n_u * n_u) + longer * (t_u * t_u);
   const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
   const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  const T straight = std::max(1 - std::abs(q_uv) / std::sqrt(q_uu * q_vv), T(1e-4));
-  const T sizes[2] = {std::sqrt(size * (q_uu * straight)), std::sqrt(size * (q_vv * straight))};
+  const T straight = max(1 - abs(q_uv) / sqrt(q_uu * q_vv), T(1e-4));
+  const T sizes[2] = {sqrt(size * (q_uu * straight)), sqrt(size * (q_vv * straight))};
 
   // The deviate of either side belongs to a square of that parent: what the other side does leaves
   // it alone.
@@ -160,11 +160,10 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   int level[2];
   for (int i = 0; i < 2; ++i) {
     const Octave<T> parent = octave_of(sizes[i]);
-    const HashWords words =
-        pcg4d({lattice_word(std::floor(u / parent.side)) ^ stream.x,
-               lattice_word(std::floor(v / parent.side)) ^ stream.y,
-               stream.z + static_cast<std::uint32_t>(i),
-               stream.w + static_cast<std::uint32_t>(parent.level * 8 + plane.face)});
+    const HashWords words = pcg4d(
+        {lattice_word(floor(u / parent.side)) ^ stream.x,
+         lattice_word(floor(v / parent.side)) ^ stream.y, stream.z + static_cast<std::uint32_t>(i),
+         stream.w + static_cast<std::uint32_t>(parent.level * 8 + plane.face)});
     const Octave<T> own_side = settled(parent, sizes[i], words.x);
     side[i] = own_side.side;
     level[i] = own_side.level;
@@ -172,12 +171,11 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
 
   Cell<T> cell;
   cell.area = side[0] * side[1] / facing;
-  const T column = T(kColumn) * std::max(side[0], side[1]);
+  const T column = T(kColumn) * max(side[0], side[1]);
   const int kind = (level[0] * 256 + level[1]) * 8 + plane.face;
-  cell.key = pcg4d({lattice_word(std::floor(u / side[0])) ^ stream.x,
-                    lattice_word(std::floor(v / side[1])) ^ stream.y,
-                    lattice_word(std::floor(w / column)) ^ stream.z,
-                    stream.w + static_cast<std::uint32_t>(kind)});
+  cell.key = pcg4d(
+      {lattice_word(floor(u / side[0])) ^ stream.x, lattice_word(floor(v / side[1])) ^ stream.y,
+       lattice_word(floor(w / column)) ^ stream.z, stream.w + static_cast<std::uint32_t>(kind)});
   return cell;
 }
 
@@ -185,7 +183,7 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
 // `offset`.
 template <class T>
 std::uint32_t normal_place(T x, T side, std::uint32_t offset) {
-  return static_cast<std::uint32_t>(static_cast<int>(std::floor(x / side + uniform_23<T>(offset))));
+  return static_cast<std::uint32_t>(static_cast<int>(floor(x / side + uniform_23<T>(offset))));
 }
 
 // The deviates of a cell's flakes whose normals are about n, n_f in the own space. sin2_half_rho:
@@ -193,8 +191,8 @@ std::uint32_t normal_place(T x, T side, std::uint32_t offset) {
 // offsets of its own: else all flakes along a curve would change at once.
 template <class T>
 HashWords about_normal(HashWords cell, Vec3<T> n, T sin2_half_rho) {
-  const T radius = 2 * std::sqrt(sin2_half_rho);
-  const T side = std::clamp(T(kNormalCell) * radius, T(1e-6), T(2));
+  const T radius = 2 * sqrt(sin2_half_rho);
+  const T side = clamp(T(kNormalCell) * radius, T(1e-6), T(2));
   const Octave<T> octave = settled(octave_of(side), side, cell.w);
   return pcg4d({cell.x ^ normal_place(n.x, octave.side, cell.x),
                 cell.y ^ normal_place(n.y, octave.side, cell.y),

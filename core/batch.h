@@ -3,9 +3,12 @@
 // Many pixels at once, over all cores: what the bindings and the verification call.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stop_token>
+#include <type_traits>
 #include <vector>
 
 #include "light_slots.h"
@@ -23,6 +26,11 @@ class Column {
   Column(const float* floats) : floats_(floats) {}
 
   bool given() const { return doubles_ != nullptr || floats_ != nullptr; }
+  // use(pointer to the first), whichever it is.
+  template <class Use>
+  auto as_they_are(const Use& use) const {
+    return floats_ != nullptr ? use(floats_) : use(doubles_);
+  }
   double operator[](std::size_t i) const {
     return floats_ != nullptr ? static_cast<double>(floats_[i]) : doubles_[i];
   }
@@ -60,6 +68,15 @@ Layer<T> layer_under(Layer<T> layer, const PixelBatch& batch) {
 }
 
 template <class T>
+std::vector<Light<T>> slots_of(const std::vector<Light<double>>& lights) {
+  std::vector<Light<T>> slots;
+  for (const Light<double>& light : lights) {
+    slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
+  }
+  return slots;
+}
+
+template <class T>
 SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
   SurfacePoint<T> point{vector_at<T>(batch.position, i),
                         vector_at<T>(batch.normal, i),
@@ -93,6 +110,71 @@ struct PixelResults {
 // Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
+// Stores the results of pixel i, whose lights have these leaders; sparkles_of(light) are those of
+// one that leads.
+template <class Sparkles>
+void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
+                 std::size_t species, const std::array<int, kLightSlots>& leaders,
+                 const Sparkles& sparkles_of) {
+  const auto store = [](double* array, std::size_t at, const auto& value) {
+    array[3 * at] = static_cast<double>(value.x);
+    array[3 * at + 1] = static_cast<double>(value.y);
+    array[3 * at + 2] = static_cast<double>(value.z);
+  };
+  for (std::size_t light = 0; light < lights; ++light) {
+    const std::size_t at = i * lights + light;
+    const int leader = leaders[light];
+    results.leader[at] = leader;
+    if (leader == static_cast<int>(light)) {
+      const auto& all = sparkles_of(light);
+      results.slots[at] = all.expected[species].slots;
+      results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
+      results.count[at] = static_cast<double>(all.count[species]);
+      store(results.radiance, at, all.radiance);
+      store(results.mean_radiance, at, all.mean_radiance);
+      store(results.variance, at, all.variance);
+      continue;
+    }
+    results.slots[at] = 0;
+    results.count[at] = results.mean_count[at] = 0;
+    // The leader comes first: its results are there to copy.
+    const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
+    for (std::size_t c = 0; c < 3; ++c) {
+      results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
+      results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
+      results.variance[3 * at + c] = leader < 0 ? 0 : results.variance[3 * from + c];
+    }
+  }
+}
+
+// All of pixels in float but the draws, whose sparkles belong to the pixel: many side by side
+// (expect_lanes.cpp), bit for bit as one by one. For each light that leads; radiance and count are
+// to be drawn.
+struct ExpectedPixel {
+  std::array<int, kLightSlots> leader;
+  std::array<PixelSparkles<float>, kLightSlots> sparkles;
+};
+class ExpectedPixels {
+ public:
+  virtual void take(std::size_t i, ExpectedPixel& pixel) = 0;
+
+ protected:
+  ~ExpectedPixels() = default;
+};
+// Gives the pixels from `begin` up to `end`, in any order, to `to`.
+using ExpectInLanes = void (*)(const Paint& paint, const std::vector<Light<double>>& lights,
+                               const PixelBatch& batch, std::size_t begin, std::size_t end,
+                               ExpectedPixels& to);
+// Those that this processor can run, the one with the most lanes first; none where the standard
+// library knows no lanes.
+const std::vector<ExpectInLanes>& expect_in_lanes();
+
+// As evaluate_pixels.
+void evaluate_in_lanes(ExpectInLanes expect, const Paint& paint, const Layer<float>& layer,
+                       const std::vector<Light<double>>& lights, std::size_t species,
+                       const PixelBatch& batch, const PixelResults& results,
+                       const std::stop_token& stop);
+
 // What the shader computes at each pixel, in T: float repeats it, double is the reference. The
 // layer is the paint's. The counts are those of `species`. Once `stop` is requested, the rest of
 // the results stays unset.
@@ -102,50 +184,24 @@ void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
                      const PixelBatch& batch, const PixelResults& results,
                      const std::stop_token& stop = {}) {
   const Layer<T> layer = layer_under(layer_of_paint, batch);
-  std::vector<Light<T>> slots;
-  for (const Light<double>& light : lights) {
-    slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
+  if constexpr (std::is_same_v<T, float>) {
+    if (layer.anchor == Anchor::pixel && !expect_in_lanes().empty()) {
+      return evaluate_in_lanes(expect_in_lanes().front(), paint, layer, lights, species, batch,
+                               results, stop);
+    }
   }
-  const auto store = [](double* array, std::size_t i, Rgb<T> value) {
-    array[3 * i] = static_cast<double>(value.x);
-    array[3 * i + 1] = static_cast<double>(value.y);
-    array[3 * i + 2] = static_cast<double>(value.z);
-  };
+  const std::vector<Light<T>> slots = slots_of<T>(lights);
   const auto evaluate_pixel = [&](std::size_t i) {
     const SurfacePoint<T> point = point_at<T>(batch, i);
     const SlotView<T> view = view_slots(slots, point);
     const auto firsts = look_close(layer, point, paint.frame, paint.seed);
-    for (std::size_t light = 0; light < slots.size(); ++light) {
-      const std::size_t at = i * slots.size() + light;
-      const int leader = view.leader[light];
-      results.leader[at] = leader;
-      const bool leads = leader == static_cast<int>(light);
-      if (leader >= 0 && !leads) {
-        // The leader comes first: its results are there to copy.
-        const std::size_t from = i * slots.size() + static_cast<std::size_t>(leader);
-        results.slots[at] = 0;
-        results.count[at] = results.mean_count[at] = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-          results.radiance[3 * at + c] = results.radiance[3 * from + c];
-          results.mean_radiance[3 * at + c] = results.mean_radiance[3 * from + c];
-          results.variance[3 * at + c] = results.variance[3 * from + c];
-        }
-        continue;
-      }
-      PixelSparkles<T> all;
-      if (leads) {
-        const Rgb<T> slant = batch.slant.given() ? vector_at<T>(batch.slant, at) : Rgb<T>{};
-        const Passage<T> way =
-            pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
-        all = sparkle(layer, point, firsts, way, static_cast<int>(light), paint.frame, paint.seed);
-      }
-      results.slots[at] = all.expected[species].slots;
-      results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
-      results.count[at] = static_cast<double>(all.count[species]);
-      store(results.radiance, at, all.radiance);
-      store(results.mean_radiance, at, all.mean_radiance);
-      store(results.variance, at, all.variance);
-    }
+    store_pixel(results, i, slots.size(), species, view.leader, [&](std::size_t light) {
+      const Rgb<T> slant =
+          batch.slant.given() ? vector_at<T>(batch.slant, i * slots.size() + light) : Rgb<T>{};
+      const Passage<T> way =
+          pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
+      return sparkle(layer, point, firsts, way, static_cast<int>(light), paint.frame, paint.seed);
+    });
   };
   parallel_for(batch.size, evaluate_pixel, 1024, stop);
 }

@@ -67,12 +67,12 @@ struct FirstFlake {
 template <class T>
 T outline(T x, T y) {
   const T right =
-      std::max(T(1.52605945L) * x + T(0.834011129L) * y, T(1.52605945L) * x - T(0.892467562L) * y);
-  const T left = std::max(T(0.888914990L) * y - T(1.64512237L) * x,
-                          -(T(1.88381833L) * x + T(0.464797057L) * y));
+      max(T(1.52605945L) * x + T(0.834011129L) * y, T(1.52605945L) * x - T(0.892467562L) * y);
+  const T left =
+      max(T(0.888914990L) * y - T(1.64512237L) * x, -(T(1.88381833L) * x + T(0.464797057L) * y));
   const T rest =
-      std::max(T(0.310337949L) * x + T(1.92865169L) * y, T(0.0164892106L) * x - T(1.94948002L) * y);
-  return std::max(std::max(right, left), rest);
+      max(T(0.310337949L) * x + T(1.92865169L) * y, T(0.0164892106L) * x - T(1.94948002L) * y);
+  return max(max(right, left), rest);
 }
 inline constexpr double kMostStretch = 1.2;
 inline constexpr double kMostShear = 0.3;
@@ -101,7 +101,7 @@ struct Turn {
 template <class T>
 Turn<T> turn_by(T u) {
   const T quarters = 4 * u;
-  const T whole = std::floor(quarters);
+  const T whole = floor(quarters);
   const T angle = (quarters - whole) * T(1.57079632679489661923L);
   const T c = cosine(angle), s = sine(angle);
   Turn<T> turn{c, s};
@@ -149,10 +149,10 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
   if (uniform_23<T>(more.y) * most_weight >= tilt.weight) return flake;
   const Turn<T> azimuth = turn_by(uniform_23<T>(more.z));
   const T h = tilt.sin2_half_beta;
-  const T cos_beta = 1 - 2 * h, sin_beta = 2 * std::sqrt(h * (1 - h));
+  const T cos_beta = 1 - 2 * h, sin_beta = 2 * sqrt(h * (1 - h));
   flake.normal = {sin_beta * azimuth.cosine, sin_beta * azimuth.sine, cos_beta};
   flake.facing = dot(flake.normal, inside);
-  if (!(std::abs(flake.facing) > T(1e-6))) return flake;
+  if (!(abs(flake.facing) > T(1e-6))) return flake;
   // Along v the sample d meets the flake's plane at d - v (d . m)/(v . m). In the plane's own
   // frame, the first axis up the tilt, that is (d_1 v_n, d_2 v . m - d_1 v_2 sin(beta))/(v . m).
   const T run = (off.x * azimuth.cosine + off.y * azimuth.sine) / flake.facing;
@@ -166,8 +166,8 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
   const T edge = outline(x, (more.x & 1u) != 0 ? -y : y);
   T area = 1;
   if (flakes.area_spread > 0) {
-    const T deviate = std::min(normal_quantile(uniform_23<T>(words.w)), T(kMostDeviation));
-    area = std::max(1 + flakes.area_spread * deviate, T(0));
+    const T deviate = min(normal_quantile(uniform_23<T>(words.w)), T(kMostDeviation));
+    area = max(1 + flakes.area_spread * deviate, T(0));
   }
   flake.covers = edge * edge < area * flakes.flake_area;
   return flake;
@@ -180,7 +180,7 @@ template <class T>
 FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> inside, const LatticePoint<T>& at, T size, HashWords key) {
   FirstFlake<T> first;
-  const T cos_in = std::min(dot(inside, normal), T(1));
+  const T cos_in = min(dot(inside, normal), T(1));
   first.hiding = flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in;
   if (!(first.hiding > 0)) return first;
   const TangentFrame<T> frame = tangent_frame(normal, at);
@@ -192,17 +192,17 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T enlarged = flakes.area.mean / (flakes.area.mean - T(kCutDeviation) * flakes.area_spread);
   const T density = flakes.areal_density * enlarged * most;
   // The cell serves for every view: the flattest in the binder is that of the horizon.
-  const T radius = T(kOutlineReach) *
-                   std::sqrt(flakes.flake_area * (1 + T(kMostDeviation) * flakes.area_spread));
-  const T reach = radius / std::max(cos_in, T(kFlattestView));
+  const T radius =
+      T(kOutlineReach) * sqrt(flakes.flake_area * (1 + T(kMostDeviation) * flakes.area_spread));
+  const T reach = radius / max(cos_in, T(kFlattestView));
   const T flattest =
-      std::sqrt(std::max(1 - 1 / (layer.eta * layer.eta), T(kFlattestView) * T(kFlattestView)));
-  const T side = std::max(radius / flattest, std::min(std::sqrt(T(kLeastInCell) / density), T(1)));
-  const T in_cell = density * (side * side) / std::abs(frame.a_along * frame.b_across);
+      sqrt(max(1 - 1 / (layer.eta * layer.eta), T(kFlattestView) * T(kFlattestView)));
+  const T side = max(radius / flattest, min(sqrt(T(kLeastInCell) / density), T(1)));
+  const T in_cell = density * (side * side) / abs(frame.a_along * frame.b_across);
 
-  const T x = std::clamp(at.a / side, T(-1e30), T(1e30));
-  const T y = std::clamp(at.b / side, T(-1e30), T(1e30));
-  const T column = std::floor(x), row = std::floor(y);
+  const T x = clamp(at.a / side, T(-1e30), T(1e30));
+  const T y = clamp(at.b / side, T(-1e30), T(1e30));
+  const T column = floor(x), row = floor(y);
   Vec3<T> m{};
   for (int k = 0; k < 9; ++k) {
     const int of_nine = (k + 4) % 9;  // the sample's own first
@@ -214,7 +214,7 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
       if (!first.close) return first;
     }
     const T from_x = x - column - right, from_y = y - row - up;
-    const T gap = std::max(std::max(-from_x, from_x - 1), std::max(-from_y, from_y - 1));
+    const T gap = max(max(-from_x, from_x - 1), max(-from_y, from_y - 1));
     if (gap * side > reach) continue;
     T depth = 0;
     for (std::uint32_t number = 1; number <= kMostInCell; ++number) {
@@ -228,7 +228,7 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
       if (!flake.covers) continue;
       first.seen = true;
       first.depth = depth;
-      first.facing = std::min(std::abs(flake.facing), T(1));
+      first.facing = min(abs(flake.facing), T(1));
       m = flake.normal;
       break;
     }
@@ -243,7 +243,7 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
 template <class T>
 Rgb<T> shown_by(const FirstFlake<T>& first, Rgb<T> reflectance, Rgb<T> slant) {
   const auto shown = [&](T r, T x) {
-    return std::min(r * exponential((first.hiding - x) * first.depth), T(1));
+    return min(r * exponential((first.hiding - x) * first.depth), T(1));
   };
   return {shown(reflectance.x, slant.x), shown(reflectance.y, slant.y),
           shown(reflectance.z, slant.z)};
@@ -260,7 +260,7 @@ Rgb<T> flake_radiance(const Layer<T>& layer, const Flakes<T>& flakes, const Firs
   const Vec3<T> off = first.normal - Vec3<T>(way.mirror.flake_normal);
   if (!(dot(off, off) < static_cast<T>(4 * quarter_cone(inside, way)))) return {};
   const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
-  const T cos_in = std::min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
+  const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
   return shown_by(first, expected.reflectance, way.slant) *
          (expected.ceiling * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
 }
@@ -271,14 +271,14 @@ template <class T>
 Rgb<T> flake_radiance_variance(const Layer<T>& layer, const FirstFlake<T>& first,
                                const ExpectedSparkles<T>& expected, const Passage<T>& way) {
   if (!(expected.ceiling > 0)) return {};
-  const T cos_in = std::min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
+  const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
   const T most = expected.ceiling * (cos_in / way.cos_exit);
   const T left = layer.sparkle_contrast;
   const auto variance = [&](T mean, T reflectance, T x) {
     const T y = 2 * x - first.hiding;
-    const T fading = y == 0 ? T(1) : -std::expm1(-std::max(y, T(-80))) / y;
-    const T square = mean * most * std::min(reflectance * fading / mean_transmittance(x), T(1));
-    return std::max(square - mean * mean, T(0)) * (left * left);
+    const T fading = y == 0 ? T(1) : -std::expm1(-max(y, T(-80))) / y;
+    const T square = mean * most * min(reflectance * fading / mean_transmittance(x), T(1));
+    return max(square - mean * mean, T(0)) * (left * left);
   };
   const Rgb<T> mean = mean_radiance(expected), r = expected.reflectance;
   return {variance(mean.x, r.x, way.slant.x), variance(mean.y, r.y, way.slant.y),
@@ -290,7 +290,7 @@ template <class T>
 std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const SurfacePoint<T>& point,
                                                int frame, int seed) {
   std::array<FirstFlake<T>, kSpecies> firsts;
-  const T cos_view = std::min(dot(point.normal, point.view), T(1));
+  const T cos_view = min(dot(point.normal, point.view), T(1));
   if (layer.anchor != Anchor::surface || !(cos_view > T(kLeastCosine))) return firsts;
   const T g_view = eta_cos_refracted(cos_view, layer.eta);
   if (!(g_view > 0)) return firsts;
@@ -302,7 +302,7 @@ std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const Surf
   const LatticePoint<T> at{place[plane.u], place[plane.v], axes[plane.u], axes[plane.v]};
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
-    const T wanted = std::clamp(point.footprint, T(1e-20), T(1e6)) * layer.cell_share;
+    const T wanted = clamp(point.footprint, T(1e-20), T(1e6)) * layer.cell_share;
     const T size = wanted / (flakes.flake_area * flakes.area.mean);
     if (!(point.footprint > 0) || !(size < 2)) continue;
     HashWords key = own_stream(layer, own, i, frame, seed);

@@ -54,12 +54,12 @@ Rgb<T> coating_node(int at) {
 // flakes through a surface (alpha <= 42 degrees for a binder of 1.5), and 1/6 below 2/3.
 template <class T>
 Rgb<T> interpolate_library(int first_row, T thickness_nm, T cosine) {
-  const T row = std::clamp(thickness_nm, T(0), T(kMostCoatingNm)) * T(0.2);
-  const int i = std::min(static_cast<int>(row), kCoatingRows - 2);
+  const T row = clamp(thickness_nm, T(0), T(kMostCoatingNm)) * T(0.2);
+  const int i = min(static_cast<int>(row), kCoatingRows - 2);
   const T v = row - static_cast<T>(i);
-  const T c = std::clamp(cosine, T(0), T(1));
-  const T node = std::max(6 * c, 24 * c - 12);
-  const int j = std::min(static_cast<int>(node), kCoatingNodes - 2);
+  const T c = clamp(cosine, T(0), T(1));
+  const T node = max(6 * c, 24 * c - 12);
+  const int j = min(static_cast<int>(node), kCoatingNodes - 2);
   const T w = node - static_cast<T>(j);
   const int at = 3 * ((first_row + i) * kCoatingNodes + j);
   const int below = at + 3 * kCoatingNodes;
@@ -84,7 +84,7 @@ Rgb<T> coating_reflectance(const Coating<T>& coating, T cos_alpha) {
     const T thickness = kind < kFirstPearl ? T(0) : coating.thickness_nm;
     return interpolate_library(coating_row(kind), thickness, cos_alpha);
   }
-  const T x = std::max(1 - cos_alpha, T(0));
+  const T x = max(1 - cos_alpha, T(0));
   const T schlick = x * x * x * x * x;
   return coating.normal_reflectance +
          (coating.grazing_reflectance - coating.normal_reflectance) * schlick;

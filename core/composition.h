@@ -40,10 +40,10 @@ Rgb<T> greatest(Rgb<T> sparkles, Rgb<T> base) {
 // (tests/fits/facet_fit.cpp, docs/fits.md).
 template <class T>
 T facet_reflectance(T cos_view, T roughness, T eta) {
-  const T q = roughness * roughness * std::sqrt(roughness);
+  const T q = roughness * roughness * sqrt(roughness);
   const T k = T(0.55) * q / (1 + T(0.56) * q);
   const T square = cos_view * cos_view;
-  const T cosine = std::sqrt(square + k * (1 - T(0.6) * square));
+  const T cosine = sqrt(square + k * (1 - T(0.6) * square));
   return 1 - fresnel_transmittance(cosine, eta_cos_refracted(cosine, eta), eta);
 }
 
@@ -71,7 +71,7 @@ Coat<T> make_coat(T cos_view, T roughness, T eta) {
 // Smith's G of one direction.
 template <class T>
 T visible_facets(T square, T cosine) {
-  return 2 * cosine / (cosine + std::sqrt(square + (1 - square) * cosine * cosine));
+  return 2 * cosine / (cosine + sqrt(square + (1 - square) * cosine * cosine));
 }
 
 // The highlight of a binder surface that reflects `reflectance`, per unit of the light's irradiance
@@ -93,7 +93,7 @@ T highlight(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T sin2_half_radius, T a
   const T cos_half = dot(normal, sum) / length(sum);
   const T square = alpha * alpha;
   const T spread = cos_half * cos_half * (square - 1) + 1;
-  const T shape = square / std::max(spread * spread, T(1e-20));
+  const T shape = square / max(spread * spread, T(1e-20));
   return reflectance * shape * visible_facets(square, cos_view) *
          visible_facets(square, cos_light) / (4 * pi * cos_view);
 }

@@ -28,12 +28,11 @@ inline constexpr double kWidestCone = 0.5;
 template <class T>
 T cone_half_angle(T average, T least, T most) {
   constexpr T pi = std::numbers::pi_v<T>;
-  const T share = 2 * T(kLeastWeight) / (4 * pi * std::max(average, T(1e-30)));
-  const T wanted = 2 * std::asin(std::sqrt(std::min(share, T(0.5))));
-  const T mirror = 2 * std::asin(std::sqrt(1 / (4 * pi * std::max(average, T(1)))));
-  const T rho =
-      std::clamp(std::max(wanted, std::min(T(kNarrowCone), mirror)), least, std::max(most, least));
-  return std::min(rho, std::max(T(kWidestCone), least));
+  const T share = 2 * T(kLeastWeight) / (4 * pi * max(average, T(1e-30)));
+  const T wanted = 2 * std::asin(sqrt(min(share, T(0.5))));
+  const T mirror = 2 * std::asin(sqrt(1 / (4 * pi * max(average, T(1)))));
+  const T rho = clamp(max(wanted, min(T(kNarrowCone), mirror)), least, max(most, least));
+  return min(rho, max(T(kWidestCone), least));
 }
 
 template <class T>

@@ -39,9 +39,9 @@ template <class T>
 Rgb<T> draw_sparkle(const ExpectedSparkles<T>& expected, T area_spread, HashWords words, T depth) {
   T area = 1;
   if (area_spread > 0) {
-    area = std::max(1 + area_spread * normal_quantile(uniform_48<T>(words.x, words.y)), T(0));
+    area = max(1 + area_spread * normal_quantile(uniform_48<T>(words.x, words.y)), T(0));
   }
-  const T share = std::min(area, expected.fill) / expected.fill;
+  const T share = min(area, expected.fill) / expected.fill;
   return map(expected.slant, [&](T x) { return dimmed(share, x, depth); });
 }
 
@@ -78,14 +78,14 @@ SumLaw<T> sum_law(T square, T cube, T x, T count) {
   law.mean = m1 * count;
   const T variance = m2 - m1 * m1;
   if (!(variance > m2 * T(1e-5))) return law;  // equal flakes: their count
-  law.spread = std::sqrt(variance * count);
+  law.spread = sqrt(variance * count);
   const T skewness = (m3 - 3 * m2 * m1 + 2 * m1 * m1 * m1) / (variance * law.spread);
-  law.c = std::clamp(skewness / 6, T(-0.25), T(0.25));
+  law.c = clamp(skewness / 6, T(-0.25), T(0.25));
   for (int i = 0; i < 2; ++i) {
     const T q = 1 + 2 * law.c * law.c;
-    law.c = std::clamp(skewness * q * std::sqrt(q) / (6 + 8 * law.c * law.c), T(-0.25), T(0.25));
+    law.c = clamp(skewness * q * sqrt(q) / (6 + 8 * law.c * law.c), T(-0.25), T(0.25));
   }
-  law.root = std::sqrt(1 + 2 * law.c * law.c);
+  law.root = sqrt(1 + 2 * law.c * law.c);
   return law;
 }
 
@@ -95,8 +95,8 @@ template <class T>
 T correlation_of_deviates(const SumLaw<T>& a, const SumLaw<T>& b, T covariance) {
   if (!(a.spread > 0 && b.spread > 0)) return 0;
   const T r = covariance / (a.spread * b.spread) * (a.root * b.root);
-  const T rho = 2 * r / (1 + std::sqrt(std::max(1 + 8 * a.c * b.c * r, T(0))));
-  return std::clamp(rho, T(0), T(1));
+  const T rho = 2 * r / (1 + sqrt(max(1 + 8 * a.c * b.c * r, T(0))));
+  return clamp(rho, T(0), T(1));
 }
 
 // The sum of `count` sparkles that lie evenly between `depth` and 1, relative to a filled, undimmed
@@ -133,17 +133,17 @@ Rgb<T> sum_of_many(const ExpectedSparkles<T>& expected, T count, T depth, HashWo
           square * mean_transmittance(x[i] + x[j]) * count - law[i].mean * (law[j].mean / count);
       T along = correlation_of_deviates(law[i], law[j], covariance);
       for (int k = 0; k < j; ++k) along = along - factor[i][k] * factor[j][k];
-      const T most = std::sqrt(own);
-      along = factor[j][j] > 0 ? std::clamp(along / factor[j][j], -most, most) : T(0);
+      const T most = sqrt(own);
+      along = factor[j][j] > 0 ? clamp(along / factor[j][j], -most, most) : T(0);
       factor[i][j] = along;
-      own = std::max(own - along * along, T(0));
+      own = max(own - along * along, T(0));
       w = w + along * deviate[j];
     }
-    factor[i][i] = std::sqrt(own);
+    factor[i][i] = sqrt(own);
     deviate[i] = normal_quantile(chance[i]);
     w = w + factor[i][i] * deviate[i];
     const T drawn = law[i].mean + law[i].spread * (w + law[i].c * (w * w - 1)) / law[i].root;
-    sum[i] = dimmed(share, slant[i], depth) * std::max(drawn, T(0));
+    sum[i] = dimmed(share, slant[i], depth) * max(drawn, T(0));
   }
   return {sum[0], sum[1], sum[2]};
 }
@@ -185,14 +185,15 @@ Sparkles<T> draw_sparkles(const ExpectedSparkles<T>& expected, T area_spread, Ha
   const T left = fluctuation_left(expected);
   // No pixel outshines the light in a mirror (ours).
   const auto bounded = [&](Rgb<T> radiance) {
-    return map(radiance, [&](T t) { return std::min(std::max(t, T(0)), expected.ceiling); });
+    return map(radiance, [&](T t) { return min(max(t, T(0)), expected.ceiling); });
   };
   if (!(left > 0)) {
-    return {std::floor(expected.mean_count + T(0.5)), bounded(mean_radiance(expected))};
+    return {floor(expected.mean_count + T(0.5)), bounded(mean_radiance(expected))};
   }
   const HashWords words = draw_words(key, pixel_x, pixel_y, 0);
   const T count =
       count_deviate(expected.mean_count, expected.slots, uniform_48<T>(words.x, words.y));
+  if (!(count > 0) && left == 1) return sparkles;  // of most pixels, where flakes are few
   sparkles.count = count;
   Rgb<T> sum = sum_of_sparkles(expected, area_spread, key, pixel_x, pixel_y, words, count);
   if (left < 1) {

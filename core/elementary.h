@@ -11,9 +11,12 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "vector.h"
 
 namespace metallic_paint {
 
@@ -49,7 +52,7 @@ T arccosine(T x) {
 // has lost half its digits where x is small. float: relative error 2e-7.
 template <class T>
 T squared_angle(T y) {
-  const T x = 2 * std::asin(std::sqrt(y));
+  const T x = 2 * std::asin(sqrt(y));
   return x * x;
 }
 
@@ -72,72 +75,77 @@ T mills_ratio(T x) {
     return 1 / tail;
   }
   const T half_pi = std::numbers::pi_v<T> / 2;
-  return std::sqrt(half_pi) * std::exp(x * x / 2) * std::erfc(x / std::numbers::sqrt2_v<T>);
+  return sqrt(half_pi) * std::exp(x * x / 2) * std::erfc(x / std::numbers::sqrt2_v<T>);
 }
 
-template <>
-inline float exponential(float x) {
+// 2^k for whole k from -126 to 127, and the whole k with 2^k <= x < 2^(k + 1): exp2 and logb.
+inline float power_of_two(float k) {
+  return std::bit_cast<float>((static_cast<int>(k) + 127) << 23);
+}
+inline float binary_exponent(float x) { return std::logb(x); }
+
+template <Single T>
+T exponential(T x) {
   if (x < -87.0f) return 0.0f;
-  x = std::min(x, 87.0f);
+  x = min(x, 87.0f);
   // x = k ln 2 + r with ln 2 in two parts, so that r keeps its digits.
-  const float k = std::floor(x * 1.44269504f + 0.5f);
-  const float r = (x - k * 0.693145752f) - k * 1.42860677e-6f;
-  const float e_r =
+  const T k = floor(x * 1.44269504f + 0.5f);
+  const T r = (x - k * 0.693145752f) - k * 1.42860677e-6f;
+  const T e_r =
       1.0f + r * (1.0f + r * (0.499999911f +
                               r * (0.166664198f + r * (0.0416682251f + r * (0.00837482233f +
                                                                             r * 0.00138368341f)))));
-  return std::ldexp(e_r, static_cast<int>(k));
+  return e_r * power_of_two(k);
 }
 
-template <>
-inline float logarithm(float x) {
+template <Single T>
+T logarithm(T x) {
   // x = m 2^e with m in [1/sqrt 2, sqrt 2].
-  int exponent;
-  float m = 2 * std::frexp(x, &exponent);
-  auto e = static_cast<float>(exponent - 1);
+  T e = binary_exponent(x);
+  T m = x * power_of_two(-e);
   if (m >= 1.41421356f) {
     m *= 0.5f;
     e += 1.0f;
   }
-  const float s = (m - 1.0f) / (m + 1.0f);
-  const float z = s * s;
-  const float ln_m = s * (2.0f + z * (0.666668177f + z * (0.399746835f + z * 0.299286366f)));
+  const T s = (m - 1.0f) / (m + 1.0f);
+  const T z = s * s;
+  const T ln_m = s * (2.0f + z * (0.666668177f + z * (0.399746835f + z * 0.299286366f)));
   return e * 0.693147181f + ln_m;
 }
 
-template <>
-inline float sine(float x) {
-  const float z = x * x;
+template <Single T>
+T sine(T x) {
+  const T z = x * x;
   return x * (1.0f + z * (-0.166666672f +
                           z * (0.00833333097f + z * (-0.000198408321f +
                                                      z * (2.75239722e-6f + z * -2.38683491e-8f)))));
 }
 
-template <>
-inline float cosine(float x) {
-  const float z = x * x;
+template <Single T>
+T cosine(T x) {
+  const T z = x * x;
   return 1.0f + z * (-0.5f +
                      z * (0.0416666679f +
                           z * (-0.00138888846f +
                                z * (2.48010401e-5f + z * (-2.75246975e-7f + z * 1.99078687e-9f)))));
 }
 
-template <>
-inline float arccosine(float x) {
-  const float a =
+template <Single T>
+T arccosine(T x) {
+  const T a =
       1.57079625f +
       x * (-0.2145987f +
            x * (0.0889773071f +
                 x * (-0.0501641743f +
                      x * (0.0308627058f +
                           x * (-0.0170450341f + x * (0.00663856883f + x * -0.00125344284f))))));
-  return std::sqrt(1.0f - x) * a;
+  return sqrt(1.0f - x) * a;
 }
 
-template <>
-inline float squared_angle(float y) {
+template <Single T>
+T squared_angle(T y) {
   // arcsin^2(sqrt y)/y is analytic in y: no square root, no loss near 0.
-  const float q =
+  const T q =
       1.0f +
       y * (0.333333671f +
            y * (0.177756384f +
@@ -149,8 +157,8 @@ inline float squared_angle(float y) {
   return 4.0f * y * q;
 }
 
-template <>
-inline float mean_transmittance(float x) {
+template <Single T>
+T mean_transmittance(T x) {
   if (x < 1.0f) {
     return 1.0f + x * (-0.5f + x * (0.166666493f +
                                     x * (-0.0416653343f +
@@ -161,9 +169,9 @@ inline float mean_transmittance(float x) {
   return (1.0f - exponential(-x)) / x;
 }
 
-template <>
-inline float mills_ratio(float x) {
-  const float t = 3.0f / (3.0f + x);
+template <Single T>
+T mills_ratio(T x) {
+  const T t = 3.0f / (3.0f + x);
   return 9.77922355e-6f +
          t * (0.333045393f +
               t * (0.336978942f +
@@ -182,7 +190,7 @@ T normal_density(T x) {
 }
 template <class T>
 T normal_cdf(T x) {
-  const T tail = normal_density(x) * mills_ratio(std::abs(x));
+  const T tail = normal_density(x) * mills_ratio(abs(x));
   return x < 0 ? tail : 1 - tail;
 }
 
@@ -192,7 +200,7 @@ T normal_cdf(T x) {
 template <class T>
 T normal_quantile(T u) {
   const T q = u - T(0.5);
-  if (std::abs(q) <= T(0.425)) {
+  if (abs(q) <= T(0.425)) {
     const T r = T(0.180625) - q * q;
     const T num = ((((((T(2509.0809287301226727L) * r + T(33430.575583588128105L)) * r +
                        T(67265.770927008700853L)) *
@@ -220,8 +228,8 @@ T normal_quantile(T u) {
                   1;
     return q * num / den;
   }
-  const T tail = q < 0 ? u : std::max(1 - u, std::numeric_limits<T>::epsilon() / 4);
-  const T r = std::sqrt(-logarithm(tail));
+  const T tail = q < 0 ? u : max(1 - u, std::numeric_limits<T>::epsilon() / 4);
+  const T r = sqrt(-logarithm(tail));
   T x;
   if (r <= 5) {
     const T s = r - T(1.6);

@@ -40,7 +40,7 @@ Wide<T> flake_probability(const OrientationDensity<T>& density, Radiometry radio
   if (radiometry == Radiometry::exact) {
     return cap_probability(density, sin2_half_beta, sin2_half_rho);
   }
-  return std::min(2 * orientation_density(density, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
+  return min(2 * orientation_density(density, sin2_half_beta) * sin2_half_rho, Wide<T>(1));
 }
 
 // A pixel that one flake can fill (ours). Where fewer than this many mean flakes fill the pixel,
@@ -50,9 +50,7 @@ inline constexpr int kPoissonSlots = 16;
 
 // No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
 template <class T>
-inline constexpr double kLeastCone = 1e-100;
-template <>
-inline constexpr double kLeastCone<float> = 1e-18;
+inline constexpr double kLeastCone = kSingle<T> ? 1e-18 : 1e-100;
 
 // The light in the binder as flakes see it that spread light themselves, sr: Delta_eff^2 = Delta^2
 // + epsilon^2. 0 for a point light on perfect mirrors: no flake ever meets it.
@@ -61,7 +59,7 @@ Wide<T> cone_in_binder(const Flakes<T>& flakes, const Passage<T>& way) {
   using W = Wide<T>;
   const W inside = way.inside + flakes.solid_angle;
   if (!(inside > 0)) return 0;
-  return std::max(inside, W(kLeastCone<T>) * std::max(way.ratio, W(1)));
+  return max(inside, W(kLeastCone<T>) * max(way.ratio, W(1)));
 }
 
 // sin^2(rho/2) of the cone about n_f in which the normal of a sparkling flake lies (paper, eq. 4):
@@ -91,7 +89,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
   // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
   // areas stay inside a float.
-  const T footprint = std::clamp(pixel_area, T(1e-20), T(1e6));
+  const T footprint = clamp(pixel_area, T(1e-20), T(1e6));
   expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
   expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
   T enlarged = 1;
@@ -100,7 +98,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
 
   const T places = expected.fill / flakes.area.mean;
-  if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(std::max(places, T(1)));
+  if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(max(places, T(1)));
   const T slots = static_cast<T>(expected.slots);
   // More sparkles than the pixel has places for (a light about as wide as the tilt, seen from near)
   // hide each other as wholes: thinned, whatever the depth model.
@@ -177,12 +175,12 @@ T fluctuation_left(const ExpectedSparkles<T>& expected) {
   const Rgb<T> mean = mean_sparkle(expected), square = mean_square_sparkle(expected);
   T least = expected.mean_count;
   const auto add = [&](T m, T q) {
-    if (q > 0) least = std::min(least, expected.mean_count * (m * m / q));
+    if (q > 0) least = min(least, expected.mean_count * (m * m / q));
   };
   add(mean.x, square.x);
   add(mean.y, square.y);
   add(mean.z, square.z);
-  return expected.contrast * std::clamp(2 - least / T(kFarCount / 2), T(0), T(1));
+  return expected.contrast * clamp(2 - least / T(kFarCount / 2), T(0), T(1));
 }
 
 // Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
@@ -196,7 +194,7 @@ Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
     variance = variance - mean * mean / static_cast<T>(expected.slots);
   }
   // One place always taken has no variance, which rounding may leave below 0.
-  variance = map(variance, [](T v) { return std::max(v, T(0)); });
+  variance = map(variance, [](T v) { return max(v, T(0)); });
   return expected.mirror * (expected.mirror * (variance * (left * left)));
 }
 

@@ -23,8 +23,8 @@ Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> l
   const W eta = layer.eta;
   const Mirror<W> mirror = mirror_between(Vec3<W>(normal), Vec3<W>(view), Vec3<W>(light), eta);
   if (!mirror.possible) return {};
-  const Rgb<T> slant = slant_depth_of(layer, static_cast<T>(std::min(mirror.g_view / eta, W(1)))) +
-                       slant_depth_of(layer, static_cast<T>(std::min(mirror.g_light / eta, W(1))));
+  const Rgb<T> slant = slant_depth_of(layer, static_cast<T>(min(mirror.g_view / eta, W(1)))) +
+                       slant_depth_of(layer, static_cast<T>(min(mirror.g_light / eta, W(1))));
   const W exit = layer.radiometry == Radiometry::published ? eta * mirror.cos_view : mirror.g_view;
   const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
                     fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);

@@ -17,7 +17,7 @@ namespace metallic_paint {
 // Between the ends of (0, 1), where rounding may put a share of an interval.
 template <class T>
 T inside_unit(T x) {
-  return std::clamp(x, T(1e-7), T(1) - T(1e-7));
+  return clamp(x, T(1e-7), T(1) - T(1e-7));
 }
 
 // Half-angle of the cone in which a flake's mirror direction is widened, so that area lights are
@@ -52,7 +52,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
                                T spread = 0, const FirstFlake<T>* firsts = nullptr) {
   MirroredSample<T> sample{normal};
   const T eta = layer.eta;
-  const T cos_view = std::min(dot(normal, view), T(1));
+  const T cos_view = min(dot(normal, view), T(1));
   if (!(cos_view > T(kLeastCosine))) return sample;
   const T g_view = eta_cos_refracted(cos_view, eta);
   if (!(g_view > 0)) return sample;
@@ -73,18 +73,17 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   SampledTilt<T> tilt{};
   if (first.close) {
     // The flake's own cone, pi epsilon^2, as it leaves the binder.
-    sample.spread =
-        std::min(eta * std::sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
+    sample.spread = min(eta * sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
   } else {
-    const T rest = layer.species > 1 ? inside_unit(at / std::max(flakes.coverage, T(1e-30))) : u;
+    const T rest = layer.species > 1 ? inside_unit(at / max(flakes.coverage, T(1e-30))) : u;
     tilt = sample_tilt(flakes.orientation, rest);
     const T turned = eta * flakes.orientation.tilt;
-    sample.spread = std::min(spread * turned, T(kWidestLobe));
+    sample.spread = min(spread * turned, T(kWidestLobe));
     const T widened = sample.spread / (4 * turned);
     const T h = tilt.sin2_half_beta * (1 - widened * widened);
-    const T sin_beta = 2 * std::sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
+    const T sin_beta = 2 * sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
     // Any two directions across the normal.
-    Vec3<T> across = std::abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
+    Vec3<T> across = abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
     across = across - normal * dot(normal, across);
     across = across / length(across);
     const Vec3<T> other = cross(normal, across);
@@ -99,12 +98,12 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
   const Vec3<T> tangent = (l - normal * along) * eta;
   const T cos2_light = 1 - dot(tangent, tangent);
   if (!(cos2_light > 0)) return sample;  // total reflection
-  const T cos_light = std::sqrt(cos2_light), g_light = eta * along;
+  const T cos_light = sqrt(cos2_light), g_light = eta * along;
   if (!(cos_light > T(kLeastCosine))) return sample;
   sample.direction = tangent + normal * cos_light;
 
-  const T cos_alpha = std::min(std::abs(facing), T(1));
-  const T cos_view_in = std::min(g_view / eta, T(1)), cos_light_in = std::min(along, T(1));
+  const T cos_alpha = min(abs(facing), T(1));
+  const T cos_view_in = min(g_view / eta, T(1)), cos_light_in = min(along, T(1));
   const Rgb<T> slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
   const T exit = layer.radiometry == Radiometry::published ? cos_view : cos_view_in;
   // 1 - r goes to zero with the cosine of the exit, A with its inverse: neither overflows.

@@ -13,7 +13,7 @@ namespace metallic_paint {
 
 template <class T>
 int pixel_coordinate(T raster) {
-  return static_cast<int>(std::floor(std::clamp(raster, T(-1e9), T(1e9))));
+  return static_cast<int>(floor(clamp(raster, T(-1e9), T(1e9))));
 }
 
 // The area of a pixel across the view, for perspective and orthographic cameras: with s_x and s_y
@@ -21,7 +21,7 @@ int pixel_coordinate(T raster) {
 // covers A |V_z|/|V| s_x s_y pixels. V: the view in the camera's space.
 template <class T>
 T facing_area(Vec3<T> view_in_camera, T pixels_x, T pixels_y) {
-  return std::abs(view_in_camera.z) / (length(view_in_camera) * pixels_x * pixels_y);
+  return abs(view_in_camera.z) / (length(view_in_camera) * pixels_x * pixels_y);
 }
 
 // On the surface: 1/cos(theta) as much. Seen in a mirror, by a camera without a projection

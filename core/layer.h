@@ -65,7 +65,7 @@ struct Layer {
 // binder; at most 0.5 rad, where d is no longer large against lambda.
 template <class T>
 T diffraction_spread(T diameter_um, T eta) {
-  return std::min(T(0.350140874802169738692L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
+  return min(T(0.350140874802169738692L) / (eta * diameter_um), T(0.5));  // 2 x 0.55/pi
 }
 
 template <class T>

@@ -50,21 +50,21 @@ SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
   seen.direction = towards / distance;
   W sine = light.size;
   if (light.kind == LightKind::positional) sine = light.size / distance;
-  sine = std::clamp(sine, W(0), W(1));
+  sine = clamp(sine, W(0), W(1));
   // 1 - cos = sin^2/(1 + cos).
-  seen.sin2_half_radius = W(0.5) * (sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine))));
+  seen.sin2_half_radius = W(0.5) * (sine * sine / (1 + sqrt((1 - sine) * (1 + sine))));
   return seen;
 }
 
 // Angles by their half chord: exact for small and large ones alike.
 template <class T>
 T angular_radius(const SeenLight<T>& light) {
-  return std::numbers::pi_v<T> - 2 * arccosine(static_cast<T>(std::sqrt(light.sin2_half_radius)));
+  return std::numbers::pi_v<T> - 2 * arccosine(static_cast<T>(sqrt(light.sin2_half_radius)));
 }
 template <class T>
 T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {
   const T half_chord =
-      static_cast<T>(std::min(Wide<T>(0.5) * length(a.direction - b.direction), Wide<T>(1)));
+      static_cast<T>(min(Wide<T>(0.5) * length(a.direction - b.direction), Wide<T>(1)));
   return std::numbers::pi_v<T> - 2 * arccosine(half_chord);
 }
 
@@ -76,7 +76,7 @@ T group_reach(const SeenLight<T>* seen, const int* leader, int count, int group)
   T reach = angular_radius(seen[group]);
   for (int i = 0; i < count; ++i) {
     if (leader[i] != group || i == group) continue;
-    reach = std::max(reach, angle_between(seen[group], seen[i]) + angular_radius(seen[i]));
+    reach = max(reach, angle_between(seen[group], seen[i]) + angular_radius(seen[i]));
   }
   return reach;
 }
@@ -96,8 +96,8 @@ void group_lights(const SeenLight<T>* seen, int* leader, int count) {
       for (int i = 0; i < count && !joined; ++i) {
         if (leader[i] < 0 || leader[i] == group) continue;
         if (angle_between(seen[group], seen[i]) - angular_radius(seen[i]) >= reach) continue;
-        const int first = std::min(group, leader[i]);
-        const int second = std::max(group, leader[i]);
+        const int first = min(group, leader[i]);
+        const int second = max(group, leader[i]);
         for (int k = 0; k < count; ++k) {
           if (leader[k] == second) leader[k] = first;
         }

@@ -25,7 +25,7 @@ struct SlotView {
 template <class T>
 SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point) {
   SlotView<T> slots;
-  const int count = std::min(static_cast<int>(lights.size()), kLightSlots);
+  const int count = min(static_cast<int>(lights.size()), kLightSlots);
   slots.leader.fill(-1);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);

@@ -96,7 +96,7 @@ T escape_over_cosine(T cos_in, T eta) {
   const T g = eta * cos_in;
   const T square = (1 - eta) * (1 + eta) + g * g;
   if (!(square > 0) || !(g > T(1e-4))) return 0;
-  const T cos_out = std::sqrt(square);
+  const T cos_out = sqrt(square);
   const T index = eta * eta;
   const T s = cos_out + g, p = index * cos_out + g;
   const T both = s * p;
@@ -116,10 +116,10 @@ struct DiffuseSurface {
 template <class T>
 DiffuseSurface<T> diffuse_surface(T eta) {
   DiffuseSurface<T> surface{1, 0, 0};
-  const T index = std::max(eta, 1 / eta);
+  const T index = max(eta, 1 / eta);
   if (eta > 1) {
     surface.cone = 1 / (eta * eta);
-    surface.critical = std::sqrt((eta - 1) * (eta + 1)) / eta;
+    surface.critical = sqrt((eta - 1) * (eta + 1)) / eta;
   }
   for (int i = 0; i < kMixturePoints; ++i) {
     const T c = kMixtureNode<T>[i];
@@ -137,7 +137,7 @@ T tilt_deviate(const OrientationDensity<T>& density, T sin2_half_beta) {
   const T h = sin2_half_beta;
   if (density.kind == Orientation::beckmann) {
     const T cos_beta = 1 - 2 * h;
-    return exponential(-4 * h * (1 - h) / std::max(cos_beta * cos_beta, T(1e-9)) / square);
+    return exponential(-4 * h * (1 - h) / max(cos_beta * cos_beta, T(1e-9)) / square);
   }
   if (density.kind == Orientation::ggx) {
     return 2 * h / (square + (1 - density.tilt) * (1 + density.tilt) * 2 * h);
@@ -149,8 +149,8 @@ T tilt_deviate(const OrientationDensity<T>& density, T sin2_half_beta) {
 // Likewise from cos(2 beta).
 template <class T>
 T edge_deviate(const OrientationDensity<T>& density, T cos_two_beta) {
-  const T cos_beta = std::sqrt(std::max((1 + cos_two_beta) / 2, T(0)));
-  return tilt_deviate(density, std::max(1 - cos_two_beta, T(0)) / (4 * (1 + cos_beta)));
+  const T cos_beta = sqrt(max((1 + cos_two_beta) / 2, T(0)));
+  return tilt_deviate(density, max(1 - cos_two_beta, T(0)) / (4 * (1 + cos_beta)));
 }
 
 // Averages over the flakes' normals with the weight p |v . m|, for light from v.
@@ -181,16 +181,16 @@ template <class T>
 Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurface<T>& surface,
                         T cos_in, T eta) {
   Mirroring<T> sum;
-  const T sin_in = std::sqrt((1 - cos_in) * (1 + cos_in));
+  const T sin_in = sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
-  const T sin_critical = std::sqrt((1 - critical) * (1 + critical));
+  const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T both = cos_in * critical, across = sin_in * sin_critical;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
   const bool narrow = density.kind != Orientation::ggx && density.tilt <= T(kNarrowTilt);
   for (int piece = 0; piece < 2; ++piece) {
     const T to = edge_deviate(density, piece == 0 ? both + across : both - across);
-    const T width = std::abs(to - from);
+    const T width = abs(to - from);
     const T begin = from, span = to - from;
     from = to;
     if (!(width > T(kFewFlakes)) || (piece == 0 && cos_in <= critical)) continue;
@@ -202,13 +202,13 @@ Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurfa
       const SampledTilt<T> tilt = sample_tilt(density, begin + span * place);
       const T h = tilt.sin2_half_beta;
       const T cos_beta = 1 - 2 * h;
-      const T p = cos_beta * cos_in, q = 2 * std::sqrt(h * (1 - h)) * sin_in;
+      const T p = cos_beta * cos_in, q = 2 * sqrt(h * (1 - h)) * sin_in;
       const T a = 2 * p * cos_beta - cos_in, b = 2 * q * cos_beta;
       // sin^2(limit/2) = (1 - (critical - a)/b)/2
       T limit = half_turn;
       if (piece == 1 && a - b < critical) {
         if (a + b <= critical) continue;
-        limit = arccosine(std::sqrt(std::clamp(((b - a) + critical) / (2 * b), T(0), T(1))));
+        limit = arccosine(sqrt(clamp(((b - a) + critical) / (2 * b), T(0), T(1))));
       }
       const T ring = weight * slope * width * tilt.weight * limit * (1 / std::numbers::pi_v<T>);
       // Of a whole circle the midpoint rule, of an arc Gauss's: two points either way.
@@ -218,8 +218,8 @@ Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurfa
           const T half = sine(limit * kPairNode<T>[j]);
           cos_phi = 1 - 2 * half * half;
         }
-        const T cos_alpha = std::clamp(p + q * cos_phi, T(0), T(1));
-        const T cos_exit = std::min(a + b * cos_phi, T(1));
+        const T cos_alpha = clamp(p + q * cos_phi, T(0), T(1));
+        const T cos_exit = min(a + b * cos_phi, T(1));
         const T share = ring * cos_alpha;
         const T escaping = share * (escape_over_cosine(cos_exit, eta) * cos_exit);
         sum.cone = sum.cone + share;
@@ -244,10 +244,10 @@ struct LayerShares {
 // share is a sum of positive terms, so that 1 - R keeps its digits.
 template <class T>
 LayerShares<T> layer_shares(T mirror, T loss) {
-  const T x = std::sqrt(loss) * std::sqrt(loss + 2 * mirror);
+  const T x = sqrt(loss) * sqrt(loss + 2 * mirror);
   const T mean = mean_transmittance(x);
   const T dimmed = x * mean;  // 1 - h
-  const T h = std::max(1 - dimmed, T(0));
+  const T h = max(1 - dimmed, T(0));
   const T n = 1 + h * h;
   const T q = mean * (1 + h) / n;
   const T whole = 1 + (mirror + loss) * q;
@@ -268,7 +268,7 @@ struct FlakeRates {
 
 template <class T>
 Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
-  return map(grey(T(1)) - mirrored - passed, [](T x) { return std::max(x, T(0)); });
+  return map(grey(T(1)) - mirrored - passed, [](T x) { return max(x, T(0)); });
 }
 
 // r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
@@ -284,7 +284,7 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
   T deviation = 0, shift = 0;
   if (is_clear(coating.kind)) {
     const T variance = mirrored.cos2_alpha / mirrored.escaping - cos_alpha * cos_alpha;
-    deviation = std::sqrt(std::max(variance, T(0)));
+    deviation = sqrt(max(variance, T(0)));
     if (deviation > 0) {
       shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
     }
@@ -292,9 +292,9 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
   const int sides = deviation > 0 ? 2 : 1;
   Rgb<T> sum{};
   for (int i = 0; i < sides; ++i) {
-    const T exit = std::clamp(cos_exit + shift, T(kLeastCosine), T(1));
+    const T exit = clamp(cos_exit + shift, T(kLeastCosine), T(1));
     const Rgb<T> slant = slant_view + slant_depth_of(layer, exit);
-    sum = sum + coating_reflectance(coating, std::clamp(cos_alpha + deviation, T(0), T(1))) *
+    sum = sum + coating_reflectance(coating, clamp(cos_alpha + deviation, T(0), T(1))) *
                     map(slant, [](T x) { return mean_transmittance(x); });
     deviation = -deviation;
     shift = -shift;
@@ -339,7 +339,7 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
   rates.turn_sum = rates.turn_sum + coverage * (1 - cone_area) * body;
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
-  rates.outside = rates.outside + r * (flux * std::max(area - mirrored.cone, T(0)));
+  rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, T(0)));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
   rates.cone_mirror = rates.cone_mirror + r_cone * cone_flux;
   rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
@@ -390,9 +390,9 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
   // normals, 0.09 in root mean square. Fitted to these, a = 1.9 and b = 1.2 are within 0.19 and
   // 0.08, but err more in M (docs/fits.md).
   T mean_cos = 1;
-  if (flakes.coverage > 0) mean_cos = std::min(flakes.cos_sum / flakes.coverage, T(1));
+  if (flakes.coverage > 0) mean_cos = min(flakes.cos_sum / flakes.coverage, T(1));
   const T z2 = (1 - mean_cos) * (1 + mean_cos);
-  T turned = lambertian * 2 * std::sqrt(z2) / (1 + 2 * z2);
+  T turned = lambertian * 2 * sqrt(z2) / (1 + 2 * z2);
   if (pigment_back > 0 && trapped_mirror > 0) {
     turned = turned + (from_pigment - turned) * (pigment_back * trapped_path / trapped_mirror);
   }
@@ -409,12 +409,11 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
     escape = flakes.escaping.*c / flake_mirror;
     inside = flakes.inside.*c / flake_mirror;
   }
-  T outside = std::max(1 - escape - inside, T(0));
+  T outside = max(1 - escape - inside, T(0));
   T unpigmented = 0;  // of what is mirrored, by flakes alone
   if (about.mirrored > 0) {
     // Mirrored more than once, it nears the shares of Lambertian light.
-    const T once =
-        std::min(mirror * mean_transmittance(2 * (mirror + loss)) / about.mirrored, T(1));
+    const T once = min(mirror * mean_transmittance(2 * (mirror + loss)) / about.mirrored, T(1));
     const T turns = T(kForgetting) * (1 - mean_cos);
     const T forgotten = turns / (1 + turns) * (1 - once);
     escape = escape + (lambertian - escape) * forgotten;
@@ -424,7 +423,7 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
     if (pigment_back > 0) {
       // What no pigment has touched is what comes back if pigment only absorbs.
       const T pure = layer_shares(flake_mirror, loss + rayleigh / cos_in).mirrored;
-      const T touched = 1 - std::min(pure / about.mirrored, T(1));
+      const T touched = 1 - min(pure / about.mirrored, T(1));
       unpigmented = unpigmented * (1 - touched);
       escape = escape + (from_pigment - escape) * touched;
       inside = inside - inside * touched;
@@ -449,8 +448,8 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
   // Nothing to clamp in a lossless paint, whose albedo is 1. In others E's own estimate exceeds a
   // dark albedo by 0.04 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
   const T single = flakes.single.*c;
-  const T whole = std::max(albedo - single, T(0));
-  return {whole, std::clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
+  const T whole = max(albedo - single, T(0));
+  return {whole, clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
 }
 
 // GGX's alpha of the glossy lobe. The lobe is broader than that of single flakes: each mirroring
@@ -468,7 +467,7 @@ T glossy_roughness(const FlakeRates<T>& flakes, T eta, T cos_view) {
   const T mirrorings = 2 + flakes.coverage / (1 + flakes.coverage);
   const T stretch = T(kStretch) * eta * (4 - cos_view);
   const T square = flakes.turn_sum / flakes.coverage * mirrorings * (stretch * stretch);
-  return std::max(std::sqrt(square / (1 + square)), T(kLeastRoughness));
+  return max(sqrt(square / (1 + square)), T(kLeastRoughness));
 }
 
 // M(v) = diffuse + glossy.
@@ -484,7 +483,7 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   const T eta = layer.eta;
   const T g = eta_cos_refracted(cos_view, eta);
   if (!(cos_view > T(kLeastCosine)) || !(g > 0)) return {};
-  const T cos_in = std::clamp(g / eta, T(kLeastCosine), T(1));
+  const T cos_in = clamp(g / eta, T(kLeastCosine), T(1));
   const DiffuseSurface<T> surface = diffuse_surface(eta);
   const Rgb<T> slant_view = slant_depth_of(layer, cos_in);
   FlakeRates<T> rates;
@@ -496,7 +495,7 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   const T rayleigh = layer.rayleigh_depth;
   Mixture<T> sum;
   const auto channel = [&](T Rgb<T>::* c) {
-    const T absorption = std::max(layer.binder_depth.*c - rayleigh, T(0));
+    const T absorption = max(layer.binder_depth.*c - rayleigh, T(0));
     const MixtureShares<T> shares =
         mixture_channel(rates, c, surface, absorption, rayleigh, substrate.*c, cos_in);
     sum.diffuse.*c = entered * (shares.whole - shares.glossy);

@@ -41,13 +41,13 @@ T lattice_gradient(std::uint32_t hash, T x, T y, T z) {
 // The cell of a coordinate; beyond the ints every cell is the same.
 template <class T>
 int lattice_cell(T x) {
-  return static_cast<int>(std::clamp(std::floor(x), T(-2147483520), T(2147483520)));
+  return static_cast<int>(clamp(floor(x), T(-2147483520), T(2147483520)));
 }
 
 template <class T>
 Vec3<T> perlin_noise(Vec3<T> p) {
   const int cell[3] = {lattice_cell(p.x), lattice_cell(p.y), lattice_cell(p.z)};
-  const Vec3<T> f = map(p, [](T x) { return x - std::floor(x); });
+  const Vec3<T> f = map(p, [](T x) { return x - floor(x); });
   const Vec3<T> fade = map(f, [](T t) { return t * t * t * (t * (t * 6 - 15) + 10); });
   const auto mix = [](T from, T to, T t) { return (1 - t) * from + t * to; };
   const auto wrap = [](int i, int step) {

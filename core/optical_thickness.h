@@ -23,7 +23,7 @@ namespace metallic_paint {
 template <class T>
 Rgb<T> mean_flake_transmittance(const OrientationDensity<T>& density, const Coating<T>& coating,
                                 T cos_theta) {
-  const T sin_theta = std::sqrt(std::max(1 - cos_theta, T(0)) * (1 + cos_theta));
+  const T sin_theta = sqrt(max(1 - cos_theta, T(0)) * (1 + cos_theta));
   Rgb<T> sum{};
   T area = 0;
   for (int i = 0; i < 2; ++i) {
@@ -32,9 +32,9 @@ Rgb<T> mean_flake_transmittance(const OrientationDensity<T>& density, const Coat
     const T h = tilt.sin2_half_beta;
     const T a = cos_theta * (1 - 2 * h);
     // sin(beta) = 2 sqrt(h (1 - h))
-    const T b = sin_theta * (T(1.41421356237309504880L) * std::sqrt(h * (1 - h)));
+    const T b = sin_theta * (T(1.41421356237309504880L) * sqrt(h * (1 - h)));
     for (int side = 0; side < 2; ++side) {
-      const T cosine = std::abs(side == 0 ? a + b : a - b);
+      const T cosine = abs(side == 0 ? a + b : a - b);
       const T weight = tilt.weight * cosine;
       sum = sum + coating_transmittance(coating, cosine) * weight;
       area = area + weight;
@@ -59,7 +59,7 @@ Rgb<T> blocked_area(const OrientationDensity<T>& density, const Coating<T>& coat
 // blocking is D H <S> (<s> - <t_p>).
 template <class T>
 Rgb<T> slant_depth(Rgb<T> blocking, Rgb<T> binder_depth, T cos_theta) {
-  return (blocking + binder_depth) / std::max(cos_theta, T(kLeastCosine));
+  return (blocking + binder_depth) / max(cos_theta, T(kLeastCosine));
 }
 
 }  // namespace metallic_paint

@@ -35,9 +35,9 @@ template <class T>
 Vec3<T> above_surface(Vec3<T> coat_normal, Vec3<T> normal, Vec3<T> view) {
   const Vec3<T> mirrored = coat_normal * (2 * dot(coat_normal, view)) - view;
   const T height = dot(mirrored, normal);
-  const T least = std::clamp(dot(normal, view), T(0), T(kLeastHeight));
+  const T least = clamp(dot(normal, view), T(0), T(kLeastHeight));
   if (height >= least) return coat_normal;
-  const Vec3<T> up = mirrored + normal * (std::max(-height, least) - height);
+  const Vec3<T> up = mirrored + normal * (max(-height, least) - height);
   const Vec3<T> half = view + up / length(up);
   return half / length(half);
 }

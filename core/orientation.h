@@ -37,9 +37,7 @@ struct OrientationDensity {
 
 // Beyond so many tilts a Gaussian is below rounding.
 template <class T>
-inline constexpr T kGaussianReach = 12;
-template <>
-inline constexpr float kGaussianReach<float> = 5.5f;
+inline constexpr double kGaussianReach = kSingle<T> ? 5.5 : 12;
 
 // sum over n of (-y)^n/(2n+1)!!: Dawson's function, sqrt(2) F(sqrt(y/2))/sqrt(y). Error 4e-12 for
 // y <= 0.32.
@@ -62,7 +60,7 @@ OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
   if (kind == Orientation::gaussian) {
     const T half_pi = std::numbers::pi_v<T> / 2;
     density.below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
-    if (std::is_same_v<T, float> && square <= T(0.08)) {
+    if (kSingle<T> && square <= T(0.08)) {
       // The upper limit pi/2 taken as infinity (the missing tail is under 2e-7):
       // integral of exp(-b^2/2s^2) sin(b) = s^2 dawson_series(s^2), with sin(2b)/2 for sin(b): y ->
       // 4y.
@@ -71,7 +69,7 @@ OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
       return density;
     }
     const GaussRule<T>& rule = gauss_rule<T>();
-    const T limit = std::min(std::numbers::pi_v<T> / 2, kGaussianReach<T> * tilt);
+    const T limit = min(std::numbers::pi_v<T> / 2, T(kGaussianReach<T>) * tilt);
     T sum = 0, sum_cos = 0;
     for (int i = 0; i < kGaussPoints<T>; ++i) {
       const T beta = limit * rule.node[i];
@@ -94,7 +92,7 @@ OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
     const T w2 = (1 - tilt) * (1 + tilt);
     T artanh_over_w = 1 + w2 * (T(1) / 3 + w2 * (T(1) / 5 + w2 * (T(1) / 7 + w2 / 9)));
     if (w2 > T(0.0025)) {
-      const T w = std::sqrt(w2);
+      const T w = sqrt(w2);
       artanh_over_w = logarithm((1 + w) / tilt) / w;
     }
     const T ratio = 1 + square * artanh_over_w;
@@ -133,8 +131,8 @@ T orientation_density(const OrientationDensity<D>& density, T sin2_half_beta) {
 template <class T>
 T orientation_reach(const OrientationDensity<T>& density) {
   const T all = std::numbers::pi_v<T> / 2;
-  if (density.kind == Orientation::gaussian) return std::min(all, kGaussianReach<T> * density.tilt);
-  if (density.kind == Orientation::beckmann) return std::min(all, T(6.5) * density.tilt);
+  if (density.kind == Orientation::gaussian) return min(all, T(kGaussianReach<T>) * density.tilt);
+  if (density.kind == Orientation::beckmann) return min(all, T(6.5) * density.tilt);
   return all;
 }
 
@@ -152,28 +150,28 @@ inline constexpr double kPointCap = 1.0 / 16;
 // makes the roots at both ends smooth.
 template <class T, class D>
 T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2_half_rho) {
-  const T square = squared_angle(std::min(sin2_half_rho, T(0.5)));
-  const T point_cap = T(kPointCap) * std::min(T(density.tilt), T(1));
+  const T square = squared_angle(min(sin2_half_rho, T(0.5)));
+  const T point_cap = T(kPointCap) * min(T(density.tilt), T(1));
   if (square <= point_cap * point_cap) {
     return 2 * orientation_density(density, sin2_half_beta) * sin2_half_rho;
   }
-  constexpr T pi = std::numbers::pi_v<T>;
-  const T rho = std::sqrt(square);
-  const T beta = std::sqrt(squared_angle(sin2_half_beta));
+  const T pi = std::numbers::pi_v<T>;
+  const T rho = sqrt(square);
+  const T beta = sqrt(squared_angle(sin2_half_beta));
   const T sin_beta = sine(beta);
   const T whole = rho - beta;  // circles up to here lie inside the cap
   const GaussRule<T>& rule = gauss_rule<T>();
   T sum = 0;
-  T from = std::max(-whole, T(0));
+  T from = max(-whole, T(0));
   // A Gaussian falls by exp(-reach^2/2) from there to sqrt(from^2 + reach^2), the others sooner or
   // not at all.
   const T reach = orientation_reach(density);
-  const T end = std::min(std::min(beta + rho, pi / 2), std::sqrt(from * from + reach * reach));
+  const T end = min(min(beta + rho, pi / 2), sqrt(from * from + reach * reach));
   T edge = density.tilt;
   while (edge <= from) edge = edge * 4;
   while (from < end) {
-    T to = std::min(edge, end);
-    if (from < whole) to = std::min(to, whole);
+    T to = min(edge, end);
+    if (from < whole) to = min(to, whole);
     const T width = to - from;
     for (int i = 0; i < kGaussPoints<T>; ++i) {
       const T x = rule.node[i];
@@ -182,13 +180,13 @@ T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2
       const T sin_b = sine(b);
       T arc = 1;
       if (b > whole) {
-        const T near = sine(std::max((b + whole) / 2, T(0)));
-        const T far = sine(std::max((beta + rho - b) / 2, T(0)));
+        const T near = sine(max((b + whole) / 2, T(0)));
+        const T far = sine(max((beta + rho - b) / 2, T(0)));
         const T y = near * far / (sin_beta * sin_b);
         if (y < T(0.5))
-          arc = std::sqrt(squared_angle(y)) / pi;
+          arc = sqrt(squared_angle(y)) / pi;
         else if (y < 1)
-          arc = 1 - std::sqrt(squared_angle(1 - y)) / pi;
+          arc = 1 - sqrt(squared_angle(1 - y)) / pi;
       }
       const T ring = rule.weight[i] * (6 * x * (1 - x)) * width * arc;
       sum = sum + ring * sin_b * orientation_density(density, sin_half * sin_half);
@@ -196,7 +194,7 @@ T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2
     from = to;
     if (edge <= to) edge = edge * 4;
   }
-  return std::min(sum, T(1));
+  return min(sum, T(1));
 }
 
 // A random flake's tilt, for a uniform deviate u in (0, 1): not quite P(beta) sin(beta), so with
@@ -225,11 +223,11 @@ SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
   const T passed = -logarithm(is_gaussian ? 1 - u * density.below : u);
   if (density.kind == Orientation::beckmann) {
     const T tan2 = square * passed;
-    const T cos_beta = 1 / std::sqrt(1 + tan2);
+    const T cos_beta = 1 / sqrt(1 + tan2);
     // 1 - cos = sin^2/(1 + cos)
     return {T(0.5) * tan2 * cos_beta * cos_beta / (1 + cos_beta), density.mean_cos / cos_beta};
   }
-  const T beta = density.tilt * std::sqrt(2 * passed);
+  const T beta = density.tilt * sqrt(2 * passed);
   const T half = sine(beta / 2);
   const T sinc = beta > 0 ? sine(beta) / beta : T(1);
   return {half * half, sinc * square * density.below / density.norm};
@@ -240,7 +238,7 @@ SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
 template <class T>
 T most_tilt_weight(const OrientationDensity<T>& density) {
   const T square = density.tilt * density.tilt;
-  if (density.kind == Orientation::beckmann) return density.mean_cos * std::sqrt(1 + 16 * square);
+  if (density.kind == Orientation::beckmann) return density.mean_cos * sqrt(1 + 16 * square);
   if (density.kind == Orientation::ggx) return 1 / (density.norm * square);
   if (density.tilt > T(0.5)) return 1 / density.norm;
   return square * density.below / density.norm;
@@ -253,11 +251,11 @@ T most_tilt_weight(const OrientationDensity<T>& density) {
 template <class T>
 T gaussian_back_area(const OrientationDensity<T>& density, T cos_theta) {
   const T b0 = std::numbers::pi_v<T> / 2 - arccosine(cos_theta);
-  const T reach = kGaussianReach<T> * density.tilt;
-  const T limit = std::min(std::numbers::pi_v<T> / 2, b0 + reach);
+  const T reach = T(kGaussianReach<T>) * density.tilt;
+  const T limit = min(std::numbers::pi_v<T> / 2, b0 + reach);
   if (b0 >= reach || b0 >= limit) return 0;
   const GaussRule<T>& rule = gauss_rule<T>();
-  const T sin_theta = std::sqrt((1 - cos_theta) * (1 + cos_theta));
+  const T sin_theta = sqrt((1 - cos_theta) * (1 + cos_theta));
   T sum = 0;
   for (int i = 0; i < kGaussPoints<T>; ++i) {
     const T x = rule.node[i];
@@ -266,7 +264,7 @@ T gaussian_back_area(const OrientationDensity<T>& density, T cos_theta) {
     const T a = cos_theta * cosine(b);
     const T c = sin_theta * sin_b;
     if (a >= c) continue;
-    const T back = std::sqrt((c - a) * (c + a)) - a * arccosine(a / c);
+    const T back = sqrt((c - a) * (c + a)) - a * arccosine(a / c);
     const T tilts = b / density.tilt;
     sum = sum + rule.weight[i] * x * exponential(T(-0.5) * tilts * tilts) * sin_b * back;
   }
@@ -282,10 +280,10 @@ T mean_projected_area(const OrientationDensity<T>& density, T cos_theta) {
   if (density.kind == Orientation::gaussian) {
     return cos_theta * density.mean_cos + 2 * gaussian_back_area(density, cos_theta);
   }
-  const T sin_theta = std::sqrt((1 - cos_theta) * (1 + cos_theta));
+  const T sin_theta = sqrt((1 - cos_theta) * (1 + cos_theta));
   const T spread = density.tilt * sin_theta;
   if (density.kind == Orientation::ggx) {
-    return density.mean_cos * std::sqrt(cos_theta * cos_theta + spread * spread);
+    return density.mean_cos * sqrt(cos_theta * cos_theta + spread * spread);
   }
   // Beckmann: 1 + 2 Lambda = erf(a) + exp(-a^2)/(a sqrt(pi)), a = cot(theta)/tilt.
   if (cos_theta > 6 * spread) return density.mean_cos * cos_theta;

@@ -48,7 +48,7 @@ template <class T>
 Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
                         const SeenLight<T>& light, const Rgb<T>* slant = nullptr) {
   using W = Wide<T>;
-  constexpr W pi = std::numbers::pi_v<W>;
+  const W pi = std::numbers::pi_v<W>;
   Passage<T> way;
   const bool published = layer.radiometry == Radiometry::published;
   if (!light.visible || !(point.footprint > 0)) return way;
@@ -56,8 +56,8 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   way.mirror = mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
   way.open = way.mirror.possible;  // a light or an observer below the surface: no sparkle
   if (!way.open) return way;
-  const T cos_view_in = static_cast<T>(std::min(way.mirror.g_view / eta, W(1)));
-  const T cos_light_in = static_cast<T>(std::min(way.mirror.g_light / eta, W(1)));
+  const T cos_view_in = static_cast<T>(min(way.mirror.g_view / eta, W(1)));
+  const T cos_light_in = static_cast<T>(min(way.mirror.g_light / eta, W(1)));
   way.cos_exit = published ? static_cast<T>(way.mirror.cos_view) : cos_view_in;
 
   // The light's cone in the binder (paper, eq. 7). Published: pi Delta_a^2; exact: the true solid

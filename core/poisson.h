@@ -60,7 +60,7 @@ T count_deviate(T mean, int slots, T u) {
     // Sequential inversion of the survival function: N = #{k : u < P(N > k)}. P(N > k) is
     // 1 - p_0 - ... - p_k up to two standard deviations above the mean; farther out that would be
     // all rounding (float: 8e-5 of the variance), and it is p_k+1 + p_k+2 + ..., summed first.
-    const T turn = mean + 2 * std::sqrt(mean);
+    const T turn = mean + 2 * sqrt(mean);
     T n = 0;
     T term = exponential(-mean);
     T survival = mean * mean_transmittance(mean);
@@ -89,11 +89,11 @@ T count_deviate(T mean, int slots, T u) {
   }
   // Cornish-Fisher expansion of the quantile to order mean^(-1/2) (Giles 2016, eq. for Q_N2); w is
   // antisymmetric in u so that large counts come from small u.
-  const T lambda = std::min(mean, T(kMaxMeanCount));
-  const T root = std::sqrt(lambda);
+  const T lambda = min(mean, T(kMaxMeanCount));
+  const T root = sqrt(lambda);
   const T w = -normal_quantile(u);
   const T shift = T(1) / 3 + w * w / 6 - w * (T(1) / 36 + w * w / 72) / root;
-  return std::max(std::floor(lambda + (root * w + shift)), T(0));
+  return max(floor(lambda + (root * w + shift)), T(0));
 }
 
 }  // namespace metallic_paint

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <type_traits>
 
+#include "vector.h"
+
 namespace metallic_paint {
 
 template <class T>
-inline constexpr int kGaussPoints = 64;
-template <>
-inline constexpr int kGaussPoints<float> = 12;
+inline constexpr int kGaussPoints = kSingle<T> ? 12 : 64;
 
 template <class T>
 struct GaussRule {
@@ -49,9 +49,9 @@ const GaussRule<T>& gauss_rule() {
   static const GaussRule<T> rule = make_gauss_rule<T>();
   return rule;
 }
-template <>
-inline const GaussRule<float>& gauss_rule() {
-  static const GaussRule<float> rule = {
+template <Single T>
+const GaussRule<T>& gauss_rule() {
+  static const GaussRule<T> rule = {
       {0.00921968288f, 0.0479413718f, 0.115048663f, 0.206341023f, 0.316084251f, 0.437383296f,
        0.562616704f, 0.683915749f, 0.793658977f, 0.884951337f, 0.952058628f, 0.990780317f},
       {0.0235876682f, 0.053469663f, 0.0800391643f, 0.101583713f, 0.116746268f, 0.124573523f,

@@ -19,14 +19,14 @@ namespace metallic_paint {
 template <class T>
 T eta_cos_refracted(T cos_theta, T eta) {
   T square;
-  if constexpr (std::is_same_v<T, float>) {
+  if constexpr (kSingle<T>) {
     square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
   } else {
     const T a = eta * eta, b = cos_theta * cos_theta;
     const T rounding = std::fma(eta, eta, -a) + std::fma(cos_theta, cos_theta, -b);
     square = (a < T(0.5) ? (b - 1) + a : (a - 1) + b) + rounding;
   }
-  return square > 0 ? std::sqrt(square) : T(0);
+  return square > 0 ? sqrt(square) : T(0);
 }
 
 // 1 - r_eta(theta): the unpolarised transmittance of the surface, from Fresnel's T_s and T_p rather
@@ -40,7 +40,7 @@ T fresnel_transmittance(T cos_theta, T g, T eta) {
   const W p = index * index * cosine + g;
   if (s <= 0) return 0;  // grazing at eta = 1
   const W transmittance = 2 * ((cosine / s) * (g / s) + (index * cosine / p) * (index * g / p));
-  return static_cast<T>(std::min(transmittance, W(1)));
+  return static_cast<T>(min(transmittance, W(1)));
 }
 
 // d omega inside / d omega outside = cos(theta)/(eta^2 cos(theta_p)) (paper, eq. 7 squared).
@@ -56,7 +56,7 @@ inline constexpr double kLeastCosine = 1e-20;
 // The view's cosine. A smooth normal can turn away from the observer near a silhouette: 1e-4 there.
 template <class T>
 T seen_cosine(Vec3<T> normal, Vec3<T> view) {
-  const T cosine = std::min(dot(normal, view), T(1));
+  const T cosine = min(dot(normal, view), T(1));
   return cosine > T(kLeastCosine) ? cosine : T(1e-4);
 }
 
@@ -79,8 +79,8 @@ struct Mirror {
 template <class T>
 Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   Mirror<T> mirror;
-  mirror.cos_view = std::min(dot(normal, view), T(1));
-  mirror.cos_light = std::min(dot(normal, light), T(1));
+  mirror.cos_view = min(dot(normal, view), T(1));
+  mirror.cos_light = min(dot(normal, light), T(1));
   if (!(mirror.cos_view > T(kLeastCosine)) || !(mirror.cos_light > T(kLeastCosine))) return mirror;
   mirror.g_view = eta_cos_refracted(mirror.cos_view, eta);
   mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
@@ -88,9 +88,9 @@ Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   const Vec3<T> tangent = (view + light) - normal * (mirror.cos_view + mirror.cos_light);
   const T tangent_square = dot(tangent, tangent);
   const T along = mirror.g_view + mirror.g_light;
-  const T s = std::sqrt(tangent_square + along * along);
-  mirror.cos_alpha = std::min(s / (2 * eta), T(1));
-  mirror.sin2_half_beta = std::min(tangent_square / (2 * s * (s + along)), T(0.5));
+  const T s = sqrt(tangent_square + along * along);
+  mirror.cos_alpha = min(s / (2 * eta), T(1));
+  mirror.sin2_half_beta = min(tangent_square / (2 * s * (s + along)), T(0.5));
   mirror.flake_normal = (tangent + normal * along) / s;
   mirror.possible = true;
   return mirror;

@@ -18,7 +18,7 @@ namespace metallic_paint {
 // kept, not a bound: single pixels of a bright paint may send back more than they receive.
 template <class T>
 T texture_deviation(T contrast, T footprint) {
-  return std::min(contrast * T(0.001) / std::sqrt(std::max(footprint, T(1e-20))), T(1));
+  return min(contrast * T(0.001) / sqrt(max(footprint, T(1e-20))), T(1));
 }
 
 // A positive factor of mean 1 and that relative deviation d, from a standard normal deviate w: the
@@ -27,7 +27,7 @@ template <class T>
 T texture_factor(T contrast, T footprint, T w) {
   const T deviation = texture_deviation(contrast, footprint);
   const T square = logarithm(1 + deviation * deviation);
-  return exponential(std::sqrt(square) * w - T(0.5) * square);
+  return exponential(sqrt(square) * w - T(0.5) * square);
 }
 
 // The stream of its deviates; those of the flakes' mean lobe, kLightSlots, lie between it and the

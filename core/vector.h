@@ -9,6 +9,20 @@
 
 namespace metallic_paint {
 
+// By their names alone, as the shader has them, these are found for every number type.
+using std::abs;
+using std::clamp;
+using std::floor;
+using std::max;
+using std::min;
+using std::sqrt;
+
+// Number types that compute as the shader does: float, and several floats side by side (lanes.h).
+template <class T>
+inline constexpr bool kSingle = std::is_same_v<T, float>;
+template <class T>
+concept Single = kSingle<T>;
+
 // A direction or a point (x, y, z), or a colour (R, G, B) in linear light.
 template <class T>
 struct Vec3 {
@@ -54,7 +68,7 @@ T dot(Vec3<T> a, Vec3<T> b) {
 }
 template <class T>
 T length(Vec3<T> a) {
-  return std::sqrt(dot(a, a));
+  return sqrt(dot(a, a));
 }
 
 template <class T>
@@ -69,7 +83,7 @@ Vec3<T> map(Vec3<T> a, F f) {
 }
 template <class T>
 T max_component(Vec3<T> a) {
-  return std::max(std::max(a.x, a.y), a.z);
+  return max(max(a.x, a.y), a.z);
 }
 
 template <class T>

@@ -84,7 +84,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
     stack.glossy_scale = 1 / facet_lobe_albedo(cos_view, stack.alpha);
   }
   // The sparkles were compared with the highlight of single facets, which are not scaled.
-  const T cos_coat = std::min(dot(stack.coat_normal, point.view), T(1));
+  const T cos_coat = min(dot(stack.coat_normal, point.view), T(1));
   if (stack.coat_alpha > 0 && cos_coat > 0) {
     stack.coat_scale = 1;
     if (paint.composition == Composition::exact) {
@@ -99,7 +99,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
 // f cos(theta') of the diffuse and of the glossy lobe, 1/sr.
 template <class T>
 Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light) {
-  const T cos_light = std::max(dot(point.normal, light), T(0));
+  const T cos_light = max(dot(point.normal, light), T(0));
   const T lobe = facet_lobe(point.normal, point.view, light, stack.alpha) * stack.glossy_scale;
   return stack.diffuse * (cos_light / std::numbers::pi_v<T>)+stack.glossy * lobe;
 }
@@ -138,7 +138,7 @@ Shade<T> shade(const Stack<T>& stack, const SurfacePoint<T>& point, const SeenLi
   found.shine = coat_shine(stack, point, direction, sin2_half_radius);
   found.sparkles = sparkles;
   if (stack.composition == Composition::published) {
-    const T cos_light = std::max(dot(point.normal, direction), T(0));
+    const T cos_light = max(dot(point.normal, direction), T(0));
     const T outshone = highlight(stack.coat_normal, point.view, direction, sin2_half_radius,
                                  stack.coat_alpha, stack.facets);
     found.sparkles = greatest(sparkles, stack.diffuse * (cos_light / std::numbers::pi_v<T>)+grey(
@@ -190,7 +190,7 @@ Rgb<T> directional_albedo(const Layer<T>& layer, const Stack<T>& stack,
                           const SurfacePoint<T>& point) {
   T reflected = stack.coat.reflected;
   if (stack.composition == Composition::published && stack.coat_alpha > 0) {
-    const T cosine = std::clamp(dot(stack.coat_normal, point.view), T(0), T(1));
+    const T cosine = clamp(dot(stack.coat_normal, point.view), T(0), T(1));
     reflected = cosine > 0 ? reflected * facet_lobe_albedo(cosine, stack.coat_alpha) : T(0);
   }
   const Rgb<T> below = flake_albedo(layer, point.normal, point.view) + stack.diffuse + stack.glossy;
