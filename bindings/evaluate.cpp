@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "batch.h"
@@ -37,10 +38,23 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
   if (slant_depth) require_shape("slant_depth", *slant_depth, {n, slots, 3});
   const std::shared_ptr<const PreparedPaint> prepared = prepared_paint(paint);
 
-  py::array_t<std::int32_t> leader({n, slots}), count_slots({n, slots});
-  py::array_t<double> count({n, slots}), mean_count({n, slots});
-  py::array_t<double> radiance({n, slots, py::ssize_t{3}}),
-      mean_radiance({n, slots, py::ssize_t{3}}), variance({n, slots, py::ssize_t{3}});
+  // In one piece of memory. Seven pieces go back to the system after each call, which then takes as
+  // long to give them anew as a float batch to fill them.
+  const py::ssize_t lights_of_all = n * slots;
+  const py::array_t<double> memory(12 * lights_of_all);
+  double* rest = const_cast<double*>(memory.data());
+  const auto colours = [&] {
+    return py::array_t<double>({n, slots, py::ssize_t{3}},
+                               std::exchange(rest, rest + 3 * lights_of_all), memory);
+  };
+  const auto counts = [&] {
+    return py::array_t<double>({n, slots}, std::exchange(rest, rest + lights_of_all), memory);
+  };
+  py::array_t<double> radiance = colours(), mean_radiance = colours(), variance = colours(),
+                      count = counts(), mean_count = counts();
+  auto* rest_for_ints = reinterpret_cast<std::int32_t*>(rest);
+  py::array_t<std::int32_t> leader({n, slots}, rest_for_ints, memory),
+      count_slots({n, slots}, rest_for_ints + lights_of_all, memory);
   const PixelBatch batch = places.batch(column_of(slant_depth));
   const PixelResults results{leader.mutable_data(),     count_slots.mutable_data(),
                              mean_count.mutable_data(), count.mutable_data(),
@@ -101,6 +115,7 @@ shares, -1 if it is below the surface; mean_count, slots (0 Poisson, k binomial)
 the sparkles of the species asked for; radiance, mean_radiance and variance (n, m, 3), of all
 species, per unit of the light's irradiance on a plane normal to it: 1/sr, and its square for the
 variance.
+The arrays share one piece of memory, which any of them keeps.
 mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
 narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc");
 }

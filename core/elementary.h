@@ -78,11 +78,14 @@ T mills_ratio(T x) {
   return sqrt(half_pi) * std::exp(x * x / 2) * std::erfc(x / std::numbers::sqrt2_v<T>);
 }
 
-// 2^k for whole k from -126 to 127, and the whole k with 2^k <= x < 2^(k + 1): exp2 and logb.
+// 2^k for whole k from -126 to 127; and x = m 2^k for normal x, with whole k and m in [1, 2).
 inline float power_of_two(float k) {
   return std::bit_cast<float>((static_cast<int>(k) + 127) << 23);
 }
 inline float binary_exponent(float x) { return std::logb(x); }
+inline float significand(float x) {
+  return std::bit_cast<float>((std::bit_cast<int>(x) & 0x7fffff) | 0x3f800000);
+}
 
 template <Single T>
 T exponential(T x) {
@@ -102,7 +105,7 @@ template <Single T>
 T logarithm(T x) {
   // x = m 2^e with m in [1/sqrt 2, sqrt 2].
   T e = binary_exponent(x);
-  T m = x * power_of_two(-e);
+  T m = significand(x);
   if (m >= 1.41421356f) {
     m *= 0.5f;
     e += 1.0f;

@@ -85,6 +85,9 @@ class Lanes {
     return Lanes(std::bit_cast<Simd>(biased << 23));
   }
   friend Lanes binary_exponent(Lanes x) { return Lanes(std::experimental::logb(x.all_)); }
+  friend Lanes significand(Lanes x) {
+    return Lanes(std::bit_cast<Simd>((std::bit_cast<Ints>(x.all_) & 0x7fffff) | 0x3f800000));
+  }
 
   // Calls pass() until each of the first `count` lanes has been followed to its end.
   template <class Pass>

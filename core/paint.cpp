@@ -131,37 +131,72 @@ void validate_int32(const std::string& field, std::size_t row, double value) {
   reject(at_row(field, row), text(value, 17), "a whole number from -2^31 to 2^31 - 1");
 }
 
+namespace {
+
+constexpr double kMost = 1e30;  // of all that pixels are told by
+
+bool is_unit_or_zero(double square) { return square == 0 || is_unit(square); }
+
+// Whether all of the first `count` numbers of a column lie in a range, where it is given.
+bool all_within(const Column& column, std::size_t count, double least, double most) {
+  return !column.given() || column.as_they_are([&](const auto* number) {
+    bool within = true;
+    for (std::size_t i = 0; i < count; ++i) within &= number[i] >= least && number[i] <= most;
+    return within;
+  });
+}
+
+// Likewise vectors of length 1 or 0.
+bool all_unit_or_zero(const Column& column, std::size_t count) {
+  return !column.given() || column.as_they_are([&](const auto* number) {
+    bool within = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = number[3 * i], y = number[3 * i + 1], z = number[3 * i + 2];
+      within &= is_unit_or_zero(x * x + y * y + z * z);
+    }
+    return within;
+  });
+}
+
+bool all_sound(const PixelBatch& batch, std::size_t lights) {
+  const std::size_t n = batch.size;
+  return all_within(batch.position, 3 * n, -kMost, kMost) && all_unit_or_zero(batch.normal, n) &&
+         all_unit_or_zero(batch.view, n) && all_within(batch.footprint, n, 0, kMost) &&
+         all_within(batch.own_position, 3 * n, -kMost, kMost) &&
+         all_unit_or_zero(batch.own_axes, 3 * n) &&
+         all_within(batch.slant, 3 * n * lights, 0, kMost);
+}
+
+}  // namespace
+
 void validate(const PixelBatch& batch, std::size_t lights) {
-  const auto require = [](const char* name, std::size_t row, double value, double least,
-                          double most, const char* unit) {
-    if (value >= least && value <= most) return;  // no text is made where nothing is wrong
-    require_range(at_row(name, row), value, least, most, unit);
-  };
+  if (all_sound(batch, lights)) return;
+  // Something is not: the first, by name.
   // All zero: a pixel without surface.
   const auto require_unit_or_zero = [](const char* name, const Column& vectors, std::size_t at,
                                        std::size_t row) {
     const Vec3<double> v = vector_at<double>(vectors, at);
     const double square = dot(v, v);
-    if (square == 0 || is_unit(square)) return;
+    if (is_unit_or_zero(square)) return;
     reject("length of " + at_row(name, row), std::sqrt(square),
            "1 to a thousandth, or 0 where there is no surface");
   };
   for (std::size_t i = 0; i < batch.size; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      require("position", i, batch.position[3 * i + c], -1e30, 1e30, " scene units");
+      require_range(at_row("position", i), batch.position[3 * i + c], -kMost, kMost, " scene units");
     }
     require_unit_or_zero("normal", batch.normal, i, i);
     require_unit_or_zero("view", batch.view, i, i);
-    require("footprint", i, batch.footprint[i], 0, 1e30, " m2");
+    require_range(at_row("footprint", i), batch.footprint[i], 0, kMost, " m2");
     for (std::size_t c = 0; batch.own_position.given() && c < 3; ++c) {
-      require("own_position", i, batch.own_position[3 * i + c], -1e30, 1e30, " m");
+      require_range(at_row("own_position", i), batch.own_position[3 * i + c], -kMost, kMost, " m");
     }
     for (std::size_t c = 0; batch.own_axes.given() && c < 3; ++c) {
       require_unit_or_zero("own_axes", batch.own_axes, 3 * i + c, i);
     }
     if (!batch.slant.given()) continue;
     for (std::size_t k = 3 * lights * i; k < 3 * lights * (i + 1); ++k) {
-      require("slant_depth", i, batch.slant[k], 0, 1e30, "");
+      require_range(at_row("slant_depth", i), batch.slant[k], 0, kMost);
     }
   }
 }

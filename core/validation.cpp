@@ -53,8 +53,6 @@ void require_library_coating(const std::string& field, int kind, double nm) {
   require_range(field + "_nm", nm, 0, kMostCoatingNm, " nm");
 }
 
-bool is_unit(double square) { return std::abs(square - 1) < 2e-3; }
-
 void require_unit(const std::string& field, Vec3<double> direction) {
   const double square = dot(direction, direction);
   if (!is_unit(square)) reject("length of " + field, std::sqrt(square), "1 to a thousandth");

@@ -4,6 +4,7 @@
 // value and the allowed range.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <string>
 
@@ -27,7 +28,7 @@ void require_colour(const std::string& field, Rgb<double> value, double most,
 void require_library_coating(const std::string& field, int kind, double nm);
 
 // Vectors come as floats: unit length to a thousandth.
-bool is_unit(double square);
+inline bool is_unit(double square) { return std::abs(square - 1) < 2e-3; }
 void require_unit(const std::string& field, Vec3<double> direction);
 
 }  // namespace metallic_paint

@@ -34,6 +34,7 @@ ONLY_CORE = {
     "luminance": "luminance_of()",
     "radiance_variance": "of a draw, for those who judge it",
     "flake_radiance_variance": "likewise",
+    **dict.fromkeys(("power_of_two", "binary_exponent", "significand"), "OSL's exp2 and logb"),
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
