@@ -183,7 +183,8 @@ void validate(const PixelBatch& batch, std::size_t lights) {
   };
   for (std::size_t i = 0; i < batch.size; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      require_range(at_row("position", i), batch.position[3 * i + c], -kMost, kMost, " scene units");
+      require_range(at_row("position", i), batch.position[3 * i + c], -kMost, kMost,
+                    " scene units");
     }
     require_unit_or_zero("normal", batch.normal, i, i);
     require_unit_or_zero("view", batch.view, i, i);

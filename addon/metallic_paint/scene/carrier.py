@@ -118,7 +118,7 @@ def values() -> list[tuple[int, Vector, float]]:
     """Kind, vector and size of the slots in use, as they stand, in single precision."""
     found = {}
     for tree in all_of_file()[:1]:
-        for slot, kind in itertools.product(range(1, len(tree.keys()) + 1), KINDS.values()):
+        for slot, kind in itertools.product(range(1, len([*tree.keys()]) + 1), KINDS.values()):
             if (numbers := tree.get(_name(slot, kind))) is not None:
                 *vector, size = np.array(numbers, np.float32).tolist()
                 found[slot] = kind, Vector(vector), size
