@@ -28,13 +28,7 @@ inline constexpr int kDrawnSparkles = 16;
 // more sparkles.
 inline constexpr int kColourDraw = kDrawnSparkles + 2;
 
-// What a sparkle at a depth of 0 to 1 shows of `share` in a colour of optical depth x.
-template <class T>
-T dimmed(T share, T x, T depth) {
-  return x > 0 ? share * exponential(-x * depth) : share;
-}
-
-// One sparkle's Y: its area by the words x and y.
+// One sparkle's Y: its area by the words x and y, dimmed from a depth of 0 to 1.
 template <class T>
 Rgb<T> draw_sparkle(const ExpectedSparkles<T>& expected, T area_spread, HashWords words, T depth) {
   T area = 1;
@@ -42,7 +36,7 @@ Rgb<T> draw_sparkle(const ExpectedSparkles<T>& expected, T area_spread, HashWord
     area = max(1 + area_spread * normal_quantile(uniform_48<T>(words.x, words.y)), T(0));
   }
   const T share = min(area, expected.fill) / expected.fill;
-  return map(expected.slant, [&](T x) { return dimmed(share, x, depth); });
+  return map(expected.slant, [&](T x) { return share * exponential(-x * depth); });
 }
 
 // How many of `count` sparkles are drawn one by one: all of up to 16. Of more the sum is drawn as
@@ -67,14 +61,16 @@ struct SumLaw {
 };
 
 // Of `count` sparkles in a colour of optical depth x, relative to their mean area; `square` and
-// `cube` are the area's moments. Mean, variance and skewness g = (6 c + 8 c^3)/root^3 are those of
-// the sum; two steps solve for c to 1 % of g while c <= 1/4.
+// `cube` are the area's moments. With A the mean transmittance and e^-x = 1 - x A(x), A(2 x) is
+// A(x) (1 + e^-x)/2, A(3 x) is A(x) (1 + e^-x + e^-2x)/3. Mean, variance and skewness g = (6 c + 8
+// c^3)/root^3 are those of the sum; two steps solve for c to 1 % of g while c <= 1/4.
 template <class T>
 SumLaw<T> sum_law(T square, T cube, T x, T count) {
   SumLaw<T> law;
   const T m1 = mean_transmittance(x);
-  const T m2 = square * mean_transmittance(2 * x);
-  const T m3 = cube * mean_transmittance(3 * x);
+  const T passed = 1 - x * m1;
+  const T m2 = square * (m1 * (1 + passed) * T(0.5));
+  const T m3 = cube * (m1 * (1 + passed * (1 + passed)) * (T(1) / 3));
   law.mean = m1 * count;
   const T variance = m2 - m1 * m1;
   if (!(variance > m2 * T(1e-5))) return law;  // equal flakes: their count
@@ -143,7 +139,7 @@ Rgb<T> sum_of_many(const ExpectedSparkles<T>& expected, T count, T depth, HashWo
     deviate[i] = normal_quantile(chance[i]);
     w = w + factor[i][i] * deviate[i];
     const T drawn = law[i].mean + law[i].spread * (w + law[i].c * (w * w - 1)) / law[i].root;
-    sum[i] = dimmed(share, slant[i], depth) * max(drawn, T(0));
+    sum[i] = share * exponential(-slant[i] * depth) * max(drawn, T(0));
   }
   return {sum[0], sum[1], sum[2]};
 }

@@ -21,15 +21,16 @@ namespace metallic_paint {
 // Everything about the sparkles of a light in a pixel but the deviates.
 template <class T>
 struct ExpectedSparkles {
-  T mean_count{};         // <N>
-  int slots{};            // 0: Poisson; k: binomial with k places
-  T fill{1};              // mean flake areas that fill the pixel
-  AreaMoments<T> area{};  // moments of min(X, fill)
-  Rgb<T> slant{};         // optical depth of the layer, there and back: t H
-  Rgb<T> reflectance{};   // r_p of a flake that sparkles
-  Rgb<T> mirror{};        // T of a pixel filled by an undimmed sparkle
-  T ceiling{};            // T of a pixel filled by a perfect mirror: nothing exceeds it
-  T contrast{1};          // share of the fluctuation that the paint shows
+  T mean_count{};                   // <N>
+  int slots{};                      // 0: Poisson; k: binomial with k places
+  T fill{1};                        // mean flake areas that fill the pixel
+  AreaMoments<T> area{};            // moments of min(X, fill)
+  Rgb<T> slant{};                   // optical depth of the layer, there and back: t H
+  Rgb<T> transmitted = grey(T(1));  // what it leaves on average of a beam to a random depth: A
+  Rgb<T> reflectance{};             // r_p of a flake that sparkles
+  Rgb<T> mirror{};                  // T of a pixel filled by an undimmed sparkle
+  T ceiling{};                      // T of a pixel filled by a perfect mirror: nothing exceeds it
+  T contrast{1};                    // share of the fluctuation that the paint shows
 };
 
 // Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
@@ -83,8 +84,9 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   expected.ceiling = static_cast<T>(way.surface * way.ratio / inside);
   expected.reflectance = coating_reflectance(flakes.coating, cos_alpha);
   expected.mirror = expected.reflectance * expected.ceiling;
-  // What the layer leaves on average of a beam to a random depth is A = (1 - e^-tH)/tH.
+  // A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
+  expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
   // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
@@ -106,11 +108,12 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   if (layer.depth_model == DepthModel::thinned || crowded) {
     // Only the neither masked nor shadowed flakes count (paper, eq. 6), as many as the least
     // absorbed colour sees; what the other colours lose besides dims them all alike.
-    const Rgb<T> transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
+    const Rgb<T> transmitted = expected.transmitted;
     const T visible = max_component(transmitted);
     if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
     expected.mean_count = expected.mean_count * visible;
     expected.slant = {};
+    expected.transmitted = grey(T(1));
   }
   // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
   if (expected.slots > 0 && expected.mean_count > slots) {
@@ -146,16 +149,18 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
 }
 
 // Mean and mean square of what one sparkle adds, per colour, relative to a filled, undimmed pixel:
-// Y = min(X, fill)/fill e^(-x u), u uniform, x the optical depth.
+// Y = min(X, fill)/fill e^(-x u), u uniform, x the optical depth. Of the square A(2 x) is left,
+// which is A(x) (1 + e^-x)/2 with e^-x = 1 - x A(x).
 template <class T>
 Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
   const T share = expected.area.mean / expected.fill;
-  return map(expected.slant, [&](T x) { return share * mean_transmittance(x); });
+  return expected.transmitted * share;
 }
 template <class T>
 Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
   const T share = expected.area.square / expected.fill / expected.fill;
-  return map(expected.slant, [&](T x) { return share * mean_transmittance(2 * x); });
+  const Rgb<T> passed = grey(T(1)) - expected.slant * expected.transmitted;
+  return expected.transmitted * (grey(T(1)) + passed) * (T(0.5) * share);
 }
 
 // E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.

@@ -26,8 +26,9 @@ template <class T>
 AreaMoments<T> area_moments(T spread) {
   const T variance = spread * spread;
   if (spread * T(kNormalReach) <= 1) return {1, 1 + variance, 1 + 3 * variance};
-  const T positive = normal_cdf(1 / spread);
-  const T edge = spread * normal_density(1 / spread);
+  const T density = normal_density(1 / spread);
+  const T positive = normal_cdf(1 / spread, density);
+  const T edge = spread * density;
   return {positive + edge, (1 + variance) * positive + edge,
           (1 + 3 * variance) * positive + (1 + 2 * variance) * edge};
 }
@@ -54,8 +55,9 @@ AreaMoments<T> capped_area_moments(T spread, T cap, AreaMoments<T> whole) {
   }
   // E[X^n] - E[(X^n - cap^n)+].
   const T d = (1 - cap) / spread;
-  const T above = normal_cdf(d);
-  const T edge = spread * normal_density(d);
+  const T density = normal_density(d);
+  const T above = normal_cdf(d, density);
+  const T edge = spread * density;
   const T variance = spread * spread, cap2 = cap * cap;
   return {whole.mean - ((1 - cap) * above + edge),
           whole.square - ((1 + variance - cap2) * above + (1 + cap) * edge),

@@ -14,6 +14,7 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "parameters.h"
+#include "refraction.h"
 #include "vector.h"
 
 namespace metallic_paint {
@@ -79,6 +80,8 @@ Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffractio
   flakes.area = area_moments(flakes.area_spread);
   flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
   flakes.orientation = make_orientation(species.orientation, static_cast<T>(species.tilt));
+  // Light that comes through the surface lies higher, and meets no flake's back.
+  if (flakes.orientation.back_cosine <= critical_cosine(eta)) flakes.orientation.back_cosine = 0;
   const T spread = static_cast<T>(species.flake_spread);
   const T edge = diffraction == Diffraction::disc ? diffraction_spread(diameter_um, eta) : T(0);
   flakes.solid_angle = std::numbers::pi_v<T> * (spread * spread + edge * edge);

@@ -113,20 +113,25 @@ struct DiffuseSurface {
   T transmittance;  // mean inside the cone
 };
 
+// Of Lambertian light, per cosine.
+template <class T>
+T flux_through(T cos_theta, T index) {
+  return 2 * cos_theta *
+         fresnel_transmittance(cos_theta, eta_cos_refracted(cos_theta, index), index);
+}
+
 template <class T>
 DiffuseSurface<T> diffuse_surface(T eta) {
   DiffuseSurface<T> surface{1, 0, 0};
   const T index = max(eta, 1 / eta);
   if (eta > 1) {
     surface.cone = 1 / (eta * eta);
-    surface.critical = sqrt((eta - 1) * (eta + 1)) / eta;
+    surface.critical = critical_cosine(eta);
   }
-  for (int i = 0; i < kMixturePoints; ++i) {
-    const T c = kMixtureNode<T>[i];
-    surface.transmittance =
-        surface.transmittance +
-        kMixtureWeight<T>[i] * 2 * c * fresnel_transmittance(c, eta_cos_refracted(c, index), index);
-  }
+  const auto part = [&](int i) {
+    return kMixtureWeight<T>[i] * flux_through(kMixtureNode<T>[i], index);
+  };
+  surface.transmittance = part(0) + part(1) + part(2);
   return surface;
 }
 

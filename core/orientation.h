@@ -33,6 +33,7 @@ struct OrientationDensity {
   T norm;       // integral of the shape times sin(beta)
   T mean_cos;   // <cos beta>
   T below = 1;  // gaussian: share of exp(-b^2/2s^2) b below 90 degrees, which `sample_tilt` draws
+  T back_cosine = 1;  // gaussian: a direction of this cosine or a greater one meets no flake's back
 };
 
 // Beyond so many tilts a Gaussian is below rounding.
@@ -52,14 +53,19 @@ template <class T>
 OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
   if constexpr (!std::is_same_v<T, Wide<T>>) {
     const auto wide = make_orientation<Wide<T>>(kind, tilt);
-    return {kind, tilt, static_cast<T>(wide.norm), static_cast<T>(wide.mean_cos),
-            static_cast<T>(wide.below)};
+    return {kind,
+            tilt,
+            static_cast<T>(wide.norm),
+            static_cast<T>(wide.mean_cos),
+            static_cast<T>(wide.below),
+            static_cast<T>(wide.back_cosine)};
   }
   OrientationDensity<T> density{kind, tilt, 1, 1};
   const T square = tilt * tilt;
   if (kind == Orientation::gaussian) {
     const T half_pi = std::numbers::pi_v<T> / 2;
     density.below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
+    density.back_cosine = sine(min(T(kGaussianReach<T>) * tilt, half_pi));
     if (kSingle<T> && square <= T(0.08)) {
       // The upper limit pi/2 taken as infinity (the missing tail is under 2e-7):
       // integral of exp(-b^2/2s^2) sin(b) = s^2 dawson_series(s^2), with sin(2b)/2 for sin(b): y ->
@@ -212,22 +218,20 @@ struct SampledTilt {
 template <class T>
 SampledTilt<T> sample_tilt(const OrientationDensity<T>& density, T u) {
   const T square = density.tilt * density.tilt;
-  const bool is_gaussian = density.kind == Orientation::gaussian;
   if (density.kind == Orientation::ggx) {
     const T w = (1 - density.tilt) * (1 + density.tilt);
     const T x = u * square / (1 - u * w);
     const T ratio = (square + w * x) / (square + w * x * (2 - x));
     return {x / 2, ratio * ratio / (density.norm * square)};
   }
-  if (is_gaussian && density.tilt > T(0.5)) return {u / 2, gaussian_density(density, u / 2)};
-  const T passed = -logarithm(is_gaussian ? 1 - u * density.below : u);
   if (density.kind == Orientation::beckmann) {
-    const T tan2 = square * passed;
+    const T tan2 = square * -logarithm(u);
     const T cos_beta = 1 / sqrt(1 + tan2);
     // 1 - cos = sin^2/(1 + cos)
     return {T(0.5) * tan2 * cos_beta * cos_beta / (1 + cos_beta), density.mean_cos / cos_beta};
   }
-  const T beta = density.tilt * sqrt(2 * passed);
+  if (density.tilt > T(0.5)) return {u / 2, gaussian_density(density, u / 2)};
+  const T beta = density.tilt * sqrt(-2 * logarithm(1 - u * density.below));
   const T half = sine(beta / 2);
   const T sinc = beta > 0 ? sine(beta) / beta : T(1);
   return {half * half, sinc * square * density.below / density.norm};
@@ -250,10 +254,9 @@ T most_tilt_weight(const OrientationDensity<T>& density) {
 // smooth. float (12 points): absolute error 5e-7.
 template <class T>
 T gaussian_back_area(const OrientationDensity<T>& density, T cos_theta) {
+  if (cos_theta >= density.back_cosine) return 0;
   const T b0 = std::numbers::pi_v<T> / 2 - arccosine(cos_theta);
-  const T reach = T(kGaussianReach<T>) * density.tilt;
-  const T limit = min(std::numbers::pi_v<T> / 2, b0 + reach);
-  if (b0 >= reach || b0 >= limit) return 0;
+  const T limit = min(std::numbers::pi_v<T> / 2, b0 + T(kGaussianReach<T>) * density.tilt);
   const GaussRule<T>& rule = gauss_rule<T>();
   const T sin_theta = sqrt((1 - cos_theta) * (1 + cos_theta));
   T sum = 0;
@@ -277,20 +280,20 @@ T gaussian_back_area(const OrientationDensity<T>& density, T cos_theta) {
 // Lambda) <cos beta>.
 template <class T>
 T mean_projected_area(const OrientationDensity<T>& density, T cos_theta) {
+  const T front = cos_theta * density.mean_cos;
   if (density.kind == Orientation::gaussian) {
-    return cos_theta * density.mean_cos + 2 * gaussian_back_area(density, cos_theta);
+    return front + 2 * gaussian_back_area(density, cos_theta);
   }
-  const T sin_theta = sqrt((1 - cos_theta) * (1 + cos_theta));
-  const T spread = density.tilt * sin_theta;
+  const T spread = density.tilt * sqrt((1 - cos_theta) * (1 + cos_theta));
   if (density.kind == Orientation::ggx) {
     return density.mean_cos * sqrt(cos_theta * cos_theta + spread * spread);
   }
   // Beckmann: 1 + 2 Lambda = erf(a) + exp(-a^2)/(a sqrt(pi)), a = cot(theta)/tilt.
-  if (cos_theta > 6 * spread) return density.mean_cos * cos_theta;
+  if (cos_theta > 6 * spread) return front;
   const T x = T(1.41421356237309504880L) * cos_theta / spread;  // sqrt(2) a
-  const T two_tails = 2 * normal_density(x) * mills_ratio(x);
-  const T edge = T(1.41421356237309504880L) * spread * normal_density(x);
-  return density.mean_cos * (cos_theta * (1 - two_tails) + edge);
+  const T tail = 2 * normal_density(x);
+  const T edge = T(0.707106781186547524401L) * spread * tail;
+  return density.mean_cos * (cos_theta * (1 - tail * mills_ratio(x)) + edge);
 }
 
 }  // namespace metallic_paint

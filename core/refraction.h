@@ -26,7 +26,13 @@ T eta_cos_refracted(T cos_theta, T eta) {
     const T rounding = std::fma(eta, eta, -a) + std::fma(cos_theta, cos_theta, -b);
     square = (a < T(0.5) ? (b - 1) + a : (a - 1) + b) + rounding;
   }
-  return square > 0 ? sqrt(square) : T(0);
+  return sqrt(max(square, T(0)));
+}
+
+// Of light that comes through the surface, the least in the binder.
+template <class T>
+T critical_cosine(T eta) {
+  return sqrt(max((eta - 1) * (eta + 1), T(0))) / eta;
 }
 
 // 1 - r_eta(theta): the unpolarised transmittance of the surface, from Fresnel's T_s and T_p rather

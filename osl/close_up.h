@@ -221,10 +221,7 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
 
 color shown_by(FirstFlake first, color reflectance, color slant)
 {
-  color shown = reflectance;
-  for (int c = 0; c < 3; ++c)
-    shown[c] = min(shown[c] * exponential((first.hiding - slant[c]) * first.depth), 1.0);
-  return shown;
+  return min(reflectance * exponential((color(first.hiding) - slant) * first.depth), color(1.0));
 }
 
 color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSparkles expected, Passage way)
@@ -261,7 +258,7 @@ void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int f
   at.towards_a = axes[plane.u];
   at.towards_b = axes[plane.v];
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
+    Flakes some = flakes_of(layer, flakes, i);
     float wanted = clamp(surface.footprint, 1e-20, 1e6) * layer.cell_share;
     float size = wanted / (some.flake_area * some.area.mean);
     if (!(surface.footprint > 0.0) || !(size < 2.0))

@@ -58,29 +58,33 @@ color interpolate_library(float library[], int first_row, float thickness_nm, fl
 
 color coating_reflectance(Coating coating, float library[], float cos_alpha)
 {
+  color reflected = color(0.0);
   if (coating.kind > COATING_COLORS) {
     float thickness = 0.0;
     if (coating.kind >= COATING_FIRST_PEARL)
       thickness = coating.thickness_nm;
-    return interpolate_library(library, coating_row(coating.kind), thickness, cos_alpha);
+    reflected = interpolate_library(library, coating_row(coating.kind), thickness, cos_alpha);
   }
-  float x = max(1.0 - cos_alpha, 0.0);
-  float schlick = x * x * x * x * x;
-  return coating.normal_reflectance + (coating.grazing_reflectance - coating.normal_reflectance) * schlick;
+  else {
+    float x = max(1.0 - cos_alpha, 0.0);
+    float schlick = x * x * x * x * x;
+    reflected = coating.normal_reflectance + (coating.grazing_reflectance - coating.normal_reflectance) * schlick;
+  }
+  return reflected;
 }
 
 color coating_transmittance(Coating coating, float library[], float cos_alpha)
 {
-  if (coating.kind == COATING_COLORS)
-    return coating.transmittance;
-  if (!is_clear(coating.kind))
-    return color(0.0);
-  int absorbing = coating.kind >= COATING_FIRST_IRON;
-  int row = coating_row(coating.kind);
-  if (absorbing)
-    row = row + (COATING_KINDS - COATING_FIRST_IRON) * COATING_ROWS;
-  color value = interpolate_library(library, row, coating.thickness_nm, cos_alpha);
-  if (absorbing)
-    return value;
-  return color(1.0) - value;
+  color passed = coating.transmittance;
+  if (is_clear(coating.kind)) {
+    int absorbing = coating.kind >= COATING_FIRST_IRON;
+    int row = coating_row(coating.kind);
+    if (absorbing)
+      row = row + (COATING_KINDS - COATING_FIRST_IRON) * COATING_ROWS;
+    color value = interpolate_library(library, row, coating.thickness_nm, cos_alpha);
+    passed = absorbing ? value : color(1.0) - value;
+  }
+  else if (coating.kind != COATING_COLORS)
+    passed = color(0.0);
+  return passed;
 }

@@ -16,21 +16,13 @@ struct Sparkles {
   color radiance;
 };
 
-float dimmed(float share, float x, float depth)
-{
-  if (x > 0.0)
-    return share * exponential(-x * depth);
-  return share;
-}
-
 color draw_sparkle(ExpectedSparkles expected, float area_spread, HashWords words, float depth)
 {
   float area = 1.0;
   if (area_spread > 0.0)
     area = max(1.0 + area_spread * normal_quantile(uniform_48(words.x, words.y)), 0.0);
   float share = min(area, expected.fill) / expected.fill;
-  return color(dimmed(share, expected.slant[0], depth), dimmed(share, expected.slant[1], depth),
-               dimmed(share, expected.slant[2], depth));
+  return share * exponential(-expected.slant * depth);
 }
 
 int drawn_one_by_one(ExpectedSparkles expected, float count)
@@ -57,8 +49,9 @@ SumLaw sum_law(float square, float cube, float x, float count)
 {
   SumLaw law;
   float m1 = mean_transmittance(x);
-  float m2 = square * mean_transmittance(2.0 * x);
-  float m3 = cube * mean_transmittance(3.0 * x);
+  float passed = 1.0 - x * m1;
+  float m2 = square * (m1 * (1.0 + passed) * 0.5);
+  float m3 = cube * (m1 * (1.0 + passed * (1.0 + passed)) * (1.0 / 3.0));
   law.mean = m1 * count;
   law.spread = 0.0;
   law.c = 0.0;
@@ -97,8 +90,9 @@ color sum_of_many(ExpectedSparkles expected, float count, float depth, HashWords
   float x[3] = {0.0, 0.0, 0.0};
   float deviate[3] = {0.0, 0.0, 0.0};
   float factor[9] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  // row by row
+  int channels = channels_of(expected.slant);
   color sum = color(0.0);
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < channels; ++i) {
     int same = i;
     for (int j = 0; j < i; ++j) {
       if (expected.slant[j] == expected.slant[i])
@@ -132,11 +126,11 @@ color sum_of_many(ExpectedSparkles expected, float count, float depth, HashWords
       deviate[i] = normal_quantile(chance[i]);
       w = w + factor[4 * i] * deviate[i];
       float drawn = here.mean + here.spread * (w + here.c * (w * w - 1.0)) / here.root;
-      sum[i] = dimmed(share, expected.slant[i], depth) * max(drawn, 0.0);
+      sum[i] = share * exponential(-expected.slant[i] * depth) * max(drawn, 0.0);
       law[i] = here;
     }
   }
-  return sum;
+  return channels == 1 ? color(sum[0]) : sum;
 }
 
 color sum_of_sparkles(ExpectedSparkles expected, float area_spread, HashWords key, int pixel_x,

@@ -7,7 +7,8 @@
 // OSL's own dot() rounds once less where Blender was built with fused multiply-add.
 float inner_product(vector a, vector b)
 {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  vector product = a * b;
+  return product[0] + product[1] + product[2];
 }
 
 float exponential(float x)
@@ -73,9 +74,28 @@ float mean_transmittance(float x)
   return (1.0 - exponential(-x)) / x;
 }
 
+// How many channels need computing: one of a grey. LLVM would copy a loop that it knows to run three times.
+int channels_of(color x)
+{
+  return x[0] == x[1] && x[1] == x[2] ? 1 : 3;
+}
+
+color exponential(color x)
+{
+  int channels = channels_of(x);
+  color power = color(0.0);
+  for (int c = 0; c < channels; ++c)
+    power[c] = exponential(x[c]);
+  return channels == 1 ? color(power[0]) : power;
+}
+
 color mean_transmittance(color x)
 {
-  return color(mean_transmittance(x[0]), mean_transmittance(x[1]), mean_transmittance(x[2]));
+  int channels = channels_of(x);
+  color mean = color(0.0);
+  for (int c = 0; c < channels; ++c)
+    mean[c] = mean_transmittance(x[c]);
+  return channels == 1 ? color(mean[0]) : mean;
 }
 
 float mills_ratio(float x)
@@ -91,47 +111,24 @@ float normal_density(float x)
   return 0.398942280 * exponential(-0.5 * x * x);
 }
 
-float normal_cdf(float x)
+float normal_cdf(float x, float density)
 {
-  float tail = normal_density(x) * mills_ratio(fabs(x));
+  float tail = density * mills_ratio(fabs(x));
   if (x < 0.0)
     return tail;
   return 1.0 - tail;
 }
 
+float normal_cdf(float x)
+{
+  return normal_cdf(x, normal_density(x));
+}
+
 float normal_quantile(float probability)
 {
-  float q = probability - 0.5;
-  if (fabs(q) <= 0.425) {
-    float r = 0.180625 - q * q;
-    float num = ((((((2509.08093 * r + 33430.5756) * r + 67265.7709) * r + 45921.9540) * r +
-                   13731.6938) * r + 1971.59095) * r + 133.141668) * r + 3.38713287;
-    float den = ((((((5226.49528 * r + 28729.0857) * r + 39307.8958) * r + 21213.7943) * r +
-                   5394.19602) * r + 687.187007) * r + 42.3133307) * r + 1.0;
-    return q * num / den;
-  }
-  float tail = probability;
-  if (q >= 0.0)
-    tail = max(1.0 - probability, 2.98023224e-8);
-  float r = sqrt(-logarithm(tail));
-  float x = 0.0;
-  if (r <= 5.0) {
-    float s = r - 1.6;
-    float num = ((((((7.74545014e-4 * s + 0.0227238449) * s + 0.241780725) * s + 1.27045825) * s +
-                   3.64784832) * s + 5.76949722) * s + 4.63033785) * s + 1.42343711;
-    float den = ((((((1.05075007e-9 * s + 5.47593808e-4) * s + 0.0151986666) * s + 0.148103976) * s +
-                   0.689767335) * s + 1.67638483) * s + 2.05319163) * s + 1.0;
-    x = num / den;
-  }
-  else {
-    float s = r - 5.0;
-    float num = ((((((2.01033440e-7 * s + 2.71155557e-5) * s + 0.00124266095) * s + 0.0265321895) * s +
-                   0.296560572) * s + 1.78482654) * s + 5.46378491) * s + 6.65790464;
-    float den = ((((((2.04426310e-15 * s + 1.42151176e-7) * s + 1.84631832e-5) * s +
-                   7.86869131e-4) * s + 0.0148753613) * s + 0.136929881) * s + 0.599832207) * s + 1.0;
-    x = num / den;
-  }
-  if (q < 0.0)
-    return -x;
-  return x;
+  float tail = probability < 0.5 ? probability : max(1.0 - probability, 2.98023224e-8);
+  float s = sqrt(-logarithm(tail)) - 0.832554638;
+  float x = s * (2.08690047 + s * (3.06331158 + s * (1.21001446 + s * 0.121097498))) /
+            (1.0 + s * (1.69982719 + s * (0.786421716 + s * 0.0855965614)));
+  return probability < 0.5 ? -x : x;
 }

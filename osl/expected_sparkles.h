@@ -19,6 +19,7 @@ struct ExpectedSparkles {
   float fill;
   AreaMoments area;
   color slant;
+  color transmitted;
   color reflectance;
   color mirror;
   float ceiling;
@@ -41,6 +42,7 @@ ExpectedSparkles nothing_expected(Flakes flakes)
   expected.fill = 1.0;
   expected.area = flakes.area;
   expected.slant = color(0.0);
+  expected.transmitted = color(1.0);
   expected.reflectance = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
@@ -73,6 +75,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   expected.reflectance = coating_reflectance(flakes.coating, library, cos_alpha);
   expected.mirror = expected.reflectance * expected.ceiling;
   expected.slant = way.slant;
+  expected.transmitted = mean_transmittance(expected.slant);
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);
   expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
@@ -88,12 +91,13 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   float slots = (float)expected.slots;
   int crowded = expected.slots > 0 && expected.mean_count > slots;
   if (layer.depth_model == DEPTH_MODEL_THINNED || crowded) {
-    color transmitted = mean_transmittance(expected.slant);
+    color transmitted = expected.transmitted;
     float visible = max(max(transmitted[0], transmitted[1]), transmitted[2]);
     if (visible > 0.0)
       expected.mirror = expected.mirror * (transmitted / visible);
     expected.mean_count = expected.mean_count * visible;
     expected.slant = color(0.0);
+    expected.transmitted = color(1.0);
   }
   if (expected.slots > 0 && expected.mean_count > slots) {
     expected.mirror = expected.mirror * (expected.mean_count / slots);
@@ -118,13 +122,14 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 color mean_sparkle(ExpectedSparkles expected)
 {
   float share = expected.area.mean / expected.fill;
-  return share * mean_transmittance(expected.slant);
+  return expected.transmitted * share;
 }
 
 color mean_square_sparkle(ExpectedSparkles expected)
 {
   float share = expected.area.square / expected.fill / expected.fill;
-  return share * mean_transmittance(2.0 * expected.slant);
+  color passed = color(1.0) - expected.slant * expected.transmitted;
+  return expected.transmitted * (color(1.0) + passed) * (0.5 * share);
 }
 
 color mean_radiance(ExpectedSparkles expected)

@@ -22,13 +22,15 @@ AreaMoments area_moments(float spread)
     moments.mean = 1.0;
     moments.square = 1.0 + variance;
     moments.cube = 1.0 + 3.0 * variance;
-    return moments;
   }
-  float positive = normal_cdf(1.0 / spread);
-  float edge = spread * normal_density(1.0 / spread);
-  moments.mean = positive + edge;
-  moments.square = (1.0 + variance) * positive + edge;
-  moments.cube = (1.0 + 3.0 * variance) * positive + (1.0 + 2.0 * variance) * edge;
+  else {
+    float density = normal_density(1.0 / spread);
+    float positive = normal_cdf(1.0 / spread, density);
+    float edge = spread * density;
+    moments.mean = positive + edge;
+    moments.square = (1.0 + variance) * positive + edge;
+    moments.cube = (1.0 + 3.0 * variance) * positive + (1.0 + 2.0 * variance) * edge;
+  }
   return moments;
 }
 
@@ -63,8 +65,9 @@ AreaMoments capped_area_moments(float spread, float cap, AreaMoments whole)
     return moments;
   }
   float d = (1.0 - cap) / spread;
-  float above = normal_cdf(d);
-  float edge = spread * normal_density(d);
+  float density = normal_density(d);
+  float above = normal_cdf(d, density);
+  float edge = spread * density;
   moments.mean = whole.mean - ((1.0 - cap) * above + edge);
   float variance = spread * spread;
   float cap2 = cap * cap;

@@ -51,7 +51,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     }
     rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
   }
-  Flakes some = flakes[kind];
+  Flakes some = flakes_of(layer, flakes, kind);
   FirstFlake first = firsts[kind];
   if (first.close && !first.seen)
     return mirrored;

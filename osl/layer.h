@@ -8,6 +8,7 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "parameters.h"
+#include "refraction.h"
 
 struct Flakes {
   float areal_density;
@@ -25,6 +26,7 @@ struct Flakes {
 // The layer's flakes go beside it: Flakes flakes[SPECIES], and float library[] of their coatings.
 struct Layer {
   int species;
+  Flakes first;
   float coverage;
   float eta;
   color binder_depth;
@@ -53,6 +55,8 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
   flakes.area = area_moments(flakes.area_spread);
   flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
   flakes.orientation = make_orientation(species.orientation, species.tilt);
+  if (flakes.orientation.back_cosine <= critical_cosine(eta))
+    flakes.orientation.back_cosine = 0.0;
   float spread = species.flake_spread;
   float edge = 0.0;
   if (diffraction == DIFFRACTION_DISC)
@@ -69,16 +73,19 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
 }
 
 // `present`: how many of the flakes are made.
-Layer make_layer(Paint given, Flakes flakes[SPECIES], int present)
+Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present)
 {
   Layer layer;
   layer.eta = given.binder_ior;
   layer.species = 1;
-  layer.coverage = flakes[0].coverage;
-  for (int i = 1; i < present; ++i) {
-    if (flakes[i].areal_density > 0.0)
-      layer.species = i + 1;
-    layer.coverage = layer.coverage + flakes[i].coverage;
+  layer.first = first;
+  layer.coverage = first.coverage;
+  if (present > 1) {
+    for (int i = 1; i < present; ++i) {
+      if (flakes[i].areal_density > 0.0)
+        layer.species = i + 1;
+      layer.coverage = layer.coverage + flakes[i].coverage;
+    }
   }
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;
   float thickness_mm = given.layer_thickness_um * 0.001;
@@ -93,11 +100,20 @@ Layer make_layer(Paint given, Flakes flakes[SPECIES], int present)
   return layer;
 }
 
+// The species by number. OSL folds no element of an array, but all that a single species decides.
+Flakes flakes_of(Layer layer, Flakes flakes[SPECIES], int species)
+{
+  Flakes some = layer.first;
+  if (layer.species > 1)
+    some = flakes[species];
+  return some;
+}
+
 color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {
   color sum = color(0.0);
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
+    Flakes some = flakes_of(layer, flakes, i);
     sum = sum + blocked_area(some.orientation, some.coating, library, cos_in) * some.coverage;
   }
   return sum;

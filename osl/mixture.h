@@ -46,6 +46,11 @@ struct DiffuseSurface {
   float transmittance;
 };
 
+float flux_through(float cos_theta, float index)
+{
+  return 2.0 * cos_theta * fresnel_transmittance(cos_theta, eta_cos_refracted(cos_theta, index), index);
+}
+
 DiffuseSurface diffuse_surface(float eta)
 {
   DiffuseSurface surface;
@@ -55,16 +60,11 @@ DiffuseSurface diffuse_surface(float eta)
   float index = max(eta, 1.0 / eta);
   if (eta > 1.0) {
     surface.cone = 1.0 / (eta * eta);
-    surface.critical = sqrt((eta - 1.0) * (eta + 1.0)) / eta;
+    surface.critical = critical_cosine(eta);
   }
-  float node[3];
-  float weight[3];
-  mixture_rule(node, weight);
-  for (int i = 0; i < MIXTURE_POINTS; ++i) {
-    float c = node[i];
-    surface.transmittance = surface.transmittance +
-                            weight[i] * 2.0 * c * fresnel_transmittance(c, eta_cos_refracted(c, index), index);
-  }
+  // Written out: OSL folds no loop.
+  surface.transmittance = 0.277777778 * flux_through(0.112701665, index) + 0.444444444 * flux_through(0.5, index) +
+                          0.277777778 * flux_through(0.887298335, index);
   return surface;
 }
 
@@ -120,11 +120,7 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
   for (int piece = 0; piece < 2; ++piece) {
-    float end = 0.0;
-    if (piece == 0)
-      end = edge_deviate(density, both + across);
-    else
-      end = edge_deviate(density, both - across);
+    float end = edge_deviate(density, piece == 0 ? both + across : both - across);
     float begin = start;
     float span = end - start;
     float width = fabs(span);
@@ -258,8 +254,8 @@ color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float li
   color sum = color(0.0);
   for (int i = 0; i < sides; ++i) {
     color slant = slant_view + slant_depth_of(layer, flakes, library, clamp(cos_exit + shift, LEAST_COSINE, 1.0));
-    color dimmed = color(mean_transmittance(slant[0]), mean_transmittance(slant[1]), mean_transmittance(slant[2]));
-    sum = sum + coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0)) * dimmed;
+    sum = sum +
+          coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0)) * mean_transmittance(slant);
     deviation = -deviation;
     shift = -shift;
   }
@@ -269,7 +265,7 @@ color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float li
 void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
                 DiffuseSurface surface, float cos_in, color slant_view)
 {
-  Flakes some = flakes[species];
+  Flakes some = flakes_of(layer, flakes, species);
   float coverage = some.coverage;
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
@@ -427,7 +423,7 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   DiffuseSurface surface = diffuse_surface(eta);
   FlakeRates rates = no_flakes();
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes[i];
+    Flakes some = flakes_of(layer, flakes, i);
     if (some.coverage > 0.0)
       add_flakes(rates, layer, flakes, i, library, surface, cos_in, slant_view);
   }

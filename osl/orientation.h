@@ -17,6 +17,7 @@ struct OrientationDensity {
   float norm;
   float mean_cos;
   float below;
+  float back_cosine;
 };
 
 float dawson_series(float y)
@@ -31,29 +32,32 @@ OrientationDensity make_orientation(int kind, float tilt)
   density.kind = kind;
   density.tilt = tilt;
   density.below = 1.0;
+  density.back_cosine = 1.0;
   float square = tilt * tilt;
   if (kind == ORIENTATION_GAUSSIAN) {
     density.below = 1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square);
+    density.back_cosine = sine(min(GAUSSIAN_REACH * tilt, HALF_PI));
     if (square <= 0.08) {
       density.norm = square * dawson_series(square);
       density.mean_cos = dawson_series(4.0 * square) / dawson_series(square);
-      return density;
     }
-    float node[12];
-    float weight[12];
-    gauss_rule(node, weight);
-    float limit = min(HALF_PI, GAUSSIAN_REACH * tilt);
-    float sum = 0.0;
-    float sum_cos = 0.0;
-    for (int i = 0; i < GAUSS_POINTS; ++i) {
-      float beta = limit * node[i];
-      float x = beta / tilt;
-      float term = weight[i] * exponential(-0.5 * x * x) * sine(beta);
-      sum = sum + term;
-      sum_cos = sum_cos + term * cosine(beta);
+    else {
+      float node[12];
+      float weight[12];
+      gauss_rule(node, weight);
+      float limit = min(HALF_PI, GAUSSIAN_REACH * tilt);
+      float sum = 0.0;
+      float sum_cos = 0.0;
+      for (int i = 0; i < GAUSS_POINTS; ++i) {
+        float beta = limit * node[i];
+        float x = beta / tilt;
+        float term = weight[i] * exponential(-0.5 * x * x) * sine(beta);
+        sum = sum + term;
+        sum_cos = sum_cos + term * cosine(beta);
+      }
+      density.norm = limit * sum;
+      density.mean_cos = sum_cos / sum;
     }
-    density.norm = limit * sum;
-    density.mean_cos = sum_cos / sum;
   }
   else if (kind == ORIENTATION_BECKMANN) {
     float root_half = 0.707106781;
@@ -82,19 +86,22 @@ float gaussian_density(OrientationDensity density, float sin2_half_beta)
 
 float orientation_density(OrientationDensity density, float sin2_half_beta)
 {
-  if (density.kind == ORIENTATION_GAUSSIAN)
-    return gaussian_density(density, sin2_half_beta);
   float square = density.tilt * density.tilt;
   float cos_beta = 1.0 - 2.0 * sin2_half_beta;
   float sin2 = 4.0 * sin2_half_beta * (1.0 - sin2_half_beta);
-  if (density.kind == ORIENTATION_BECKMANN) {
+  float found = 0.0;
+  if (density.kind == ORIENTATION_GAUSSIAN)
+    found = gaussian_density(density, sin2_half_beta);
+  else if (density.kind == ORIENTATION_BECKMANN) {
     float cos2 = cos_beta * cos_beta;
-    if (cos2 < 1e-9)
-      return 0.0;
-    return exponential(-(sin2 / cos2) / square) / (cos2 * cos2 * density.norm);
+    if (cos2 >= 1e-9)
+      found = exponential(-(sin2 / cos2) / square) / (cos2 * cos2 * density.norm);
   }
-  float d = square + (1.0 - square) * sin2;
-  return 1.0 / (d * d * density.norm);
+  else {
+    float d = square + (1.0 - square) * sin2;
+    found = 1.0 / (d * d * density.norm);
+  }
+  return found;
 }
 
 float orientation_reach(OrientationDensity density)
@@ -171,31 +178,26 @@ SampledTilt sample_tilt(OrientationDensity density, float deviate)
     float ratio = (square + w * x) / (square + w * x * (2.0 - x));
     sampled.sin2_half_beta = x / 2.0;
     sampled.weight = ratio * ratio / (density.norm * square);
-    return sampled;
   }
-  if (density.kind == ORIENTATION_GAUSSIAN && density.tilt > 0.5) {
-    sampled.sin2_half_beta = deviate / 2.0;
-    sampled.weight = gaussian_density(density, deviate / 2.0);
-    return sampled;
-  }
-  float beyond = deviate;
-  if (density.kind == ORIENTATION_GAUSSIAN)
-    beyond = 1.0 - deviate * density.below;
-  float passed = -logarithm(beyond);
-  if (density.kind == ORIENTATION_BECKMANN) {
-    float tan2 = square * passed;
+  else if (density.kind == ORIENTATION_BECKMANN) {
+    float tan2 = square * -logarithm(deviate);
     float cos_beta = 1.0 / sqrt(1.0 + tan2);
     sampled.sin2_half_beta = 0.5 * tan2 * cos_beta * cos_beta / (1.0 + cos_beta);
     sampled.weight = density.mean_cos / cos_beta;
-    return sampled;
   }
-  float beta = density.tilt * sqrt(2.0 * passed);
-  float half = sine(beta / 2.0);
-  float sinc = 1.0;
-  if (beta > 0.0)
-    sinc = sine(beta) / beta;
-  sampled.sin2_half_beta = half * half;
-  sampled.weight = sinc * square * density.below / density.norm;
+  else if (density.tilt > 0.5) {
+    sampled.sin2_half_beta = deviate / 2.0;
+    sampled.weight = gaussian_density(density, deviate / 2.0);
+  }
+  else {
+    float beta = density.tilt * sqrt(-2.0 * logarithm(1.0 - deviate * density.below));
+    float half = sine(beta / 2.0);
+    float sinc = 1.0;
+    if (beta > 0.0)
+      sinc = sine(beta) / beta;
+    sampled.sin2_half_beta = half * half;
+    sampled.weight = sinc * square * density.below / density.norm;
+  }
   return sampled;
 }
 
@@ -213,11 +215,10 @@ float most_tilt_weight(OrientationDensity density)
 
 float gaussian_back_area(OrientationDensity density, float cos_theta)
 {
-  float b0 = HALF_PI - arccosine(cos_theta);
-  float reach = GAUSSIAN_REACH * density.tilt;
-  float limit = min(HALF_PI, b0 + reach);
-  if (b0 >= reach || b0 >= limit)
+  if (cos_theta >= density.back_cosine)
     return 0.0;
+  float b0 = HALF_PI - arccosine(cos_theta);
+  float limit = min(HALF_PI, b0 + GAUSSIAN_REACH * density.tilt);
   float node[12];
   float weight[12];
   gauss_rule(node, weight);
@@ -240,16 +241,18 @@ float gaussian_back_area(OrientationDensity density, float cos_theta)
 
 float mean_projected_area(OrientationDensity density, float cos_theta)
 {
-  if (density.kind == ORIENTATION_GAUSSIAN)
-    return cos_theta * density.mean_cos + 2.0 * gaussian_back_area(density, cos_theta);
-  float sin_theta = sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
-  float spread = density.tilt * sin_theta;
-  if (density.kind == ORIENTATION_GGX)
-    return density.mean_cos * sqrt(cos_theta * cos_theta + spread * spread);
-  if (cos_theta > 6.0 * spread)
-    return density.mean_cos * cos_theta;
-  float x = 1.41421356 * cos_theta / spread;
-  float two_tails = 2.0 * normal_density(x) * mills_ratio(x);
-  float edge = 1.41421356 * spread * normal_density(x);
-  return density.mean_cos * (cos_theta * (1.0 - two_tails) + edge);
+  float area = cos_theta * density.mean_cos;
+  float spread = density.tilt * sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+  if (density.kind == ORIENTATION_GAUSSIAN) {
+    if (density.back_cosine > 0.0)
+      area = area + 2.0 * gaussian_back_area(density, cos_theta);
+  }
+  else if (density.kind == ORIENTATION_GGX)
+    area = density.mean_cos * sqrt(cos_theta * cos_theta + spread * spread);
+  else if (cos_theta <= 6.0 * spread) {
+    float x = 1.41421356 * cos_theta / spread;
+    float tail = 2.0 * normal_density(x);
+    area = density.mean_cos * (cos_theta * (1.0 - tail * mills_ratio(x)) + 0.707106781 * spread * tail);
+  }
+  return area;
 }

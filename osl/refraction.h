@@ -8,9 +8,12 @@
 float eta_cos_refracted(float cos_theta, float eta)
 {
   float square = (eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta;
-  if (square > 0.0)
-    return sqrt(square);
-  return 0.0;
+  return sqrt(max(square, 0.0));
+}
+
+float critical_cosine(float eta)
+{
+  return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
 }
 
 float fresnel_transmittance(float cos_theta, float g, float eta)

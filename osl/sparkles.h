@@ -31,7 +31,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   float ceiling = 0.0;
   int only_mean = blurred || !(layer.sparkle_contrast > 0.0);
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes[i];  // a struct inside an element passes as that of the first one
+    Flakes some = flakes_of(layer, flakes, i);
     FirstFlake first = firsts[i];
     float area = surface.footprint;
     HashWords key;

@@ -67,6 +67,7 @@ std::vector<Rgb<T>> drawn_colours(const Law& law, std::array<double, 3> depth, i
                    static_cast<T>(independent::area_moment(law.area_spread, 2, law.fill)),
                    static_cast<T>(independent::area_moment(law.area_spread, 3, law.fill))};
   expected.slant = {static_cast<T>(depth[0]), static_cast<T>(depth[1]), static_cast<T>(depth[2])};
+  expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
   expected.mirror = {1, 1, 1};
   expected.ceiling = static_cast<T>(law.ceiling());
   const HashWords key = stream_key(stream, 0, 1, static_cast<int>(run_seed()));

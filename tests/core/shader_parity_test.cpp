@@ -119,7 +119,7 @@ ShaderPaint to_osl(const Paint& paint) {
     shader.flakes[static_cast<std::size_t>(i)] =
         osl::make_flakes(to_osl(paint.species(i)), given.binder_ior, given.diffraction);
   }
-  shader.layer = osl::make_layer(given, shader.flakes, kSpecies);
+  shader.layer = osl::make_layer(given, shader.flakes[0], shader.flakes, kSpecies);
   return shader;
 }
 
@@ -155,6 +155,7 @@ void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
   same("orientation.norm", shader.orientation.norm, core.orientation.norm);
   same("orientation.mean_cos", shader.orientation.mean_cos, core.orientation.mean_cos);
   same("orientation.below", shader.orientation.below, core.orientation.below);
+  same("orientation.back_cosine", shader.orientation.back_cosine, core.orientation.back_cosine);
 }
 
 void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSparkles<float>& core) {

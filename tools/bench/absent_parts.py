@@ -53,8 +53,8 @@ def replace(old: str, new: str) -> Text:
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
     text = cut("  if (SecondFlakesPerMm2", "  Layer flake_layer = make_layer")(text)
-    text = cut("  if (layer.species > 1) {", "  Flakes some = flakes[kind];")(text)
-    text = replace("Flakes some = flakes[kind];", "Flakes some = flakes[0];")(text)
+    text = cut("  if (layer.species > 1) {", "  Flakes some = flakes_of")(text)
+    text = cut("  if (layer.species > 1)\n    some", "  return some;")(text)
     loop = "for (int i = 0; i < layer.species; ++i) {"
     return replace(loop, "for (int i = 0; i < 1; ++i) {")(text)
 
@@ -71,9 +71,9 @@ def one_slot(text: str) -> str:
 
 
 def no_library(text: str) -> str:
-    text = cut("  if (coating.kind > COATING_COLORS) {", "  float x = max(1.0 - cos_alpha")(text)
-    text = cut("  if (!is_clear(coating.kind))\n    return color(0.0)", "}",
-               "  return coating.transmittance;\n")(text)  # fmt: skip
+    text = cut("  if (coating.kind > COATING_COLORS) {", "    float x = max(1.0 - cos_alpha",
+               "  {\n")(text)  # fmt: skip
+    text = cut("  if (is_clear(coating.kind)) {\n    int absorbing", "  return passed;")(text)
     text = cut("  if (is_clear(coating.kind)) {", "  int sides")(text)
     return re.sub(r"(float CoatingLibrary\[\] = \{).*?\}", r"\1 0.0 }", text, flags=re.DOTALL)
 
