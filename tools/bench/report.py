@@ -67,6 +67,14 @@ TRIED = (
     ("OSL's own settings (`OSL_OPTIONS`: `llvm_optimize`, `optimize`)",
      "the time to the first sample stays as it is"),
     ("fewer derivatives", "OSL carries them for one symbol of the shader already"),
+    ("the mixture in whole colours instead of a loop over channels",
+     "12 exponentials less, and 8,737 LLVM instructions instead of 8,104"),
+    ("loops over three channels", "LLVM copies them out: 70 exponentials where OSL keeps 30"),
+    ("folding of constants alone, without fewer copies",
+     "9,567 operations instead of 12,642, and the same wait: LLVM had folded them"),
+    ("lights in View Layer attributes", "each frame compiles every paint anew"),
+    ("drivers on each painted object instead of on one datablock",
+     "95 to 105 ms a frame with 1,000 objects, instead of 60 to 70"),
 )  # fmt: skip
 
 MILLISECOND = 1e-3  # times below it are shown in µs
