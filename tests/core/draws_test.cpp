@@ -233,8 +233,9 @@ TEST(Draws, SumOfManyIsNeverNegativeNorAboveTheCeiling) {
 
 TEST(Draws, CeilingCostsLittleOfTheMeanWhereFlakesJustFit) {
   // Two to fifteen places, flakes of 30 % spread: large ones together may exceed the mirror and are
-  // cut, which the closed form does not know. The share of the mean that this takes, less three
-  // standard errors of it: nothing that shows unless most places are taken.
+  // cut, which the closed form does not know. The share of the mean that this takes, less five
+  // standard errors of it, which one of the 54 exceeds by chance in one run of 60,000: nothing that
+  // shows unless most places are taken.
   Worst sparse, dense;
   for (double places : {1.2, 2.001, 2.5, 3.001, 4.001, 6.001, 8.001, 12.001, 15.5}) {
     for (double share : {0.01, 0.05, 0.2, 0.5, 0.8, 0.95}) {
@@ -251,12 +252,12 @@ TEST(Draws, CeilingCostsLittleOfTheMeanWhereFlakesJustFit) {
       auto expected = scene.expect<double>();
       expected.mean_count = share * places;
       if (expected.mean_count > expected.slots) continue;  // overlapping: Poisson, see below
-      const int n = 50'000;
+      const int n = share <= 0.05 ? 400'000 : 50'000;      // few of them sparkle
       const Drawn drawn = draw(scene, expected, n, static_cast<int>(places * 10));
       const double mean = mean_radiance(expected).x;
       const double error = drawn.radiance[0].error_of_mean() / mean;
       (share <= 0.05 ? sparse : dense)
-          .see(std::max(0.0, 1 - drawn.radiance[0].mean() / mean - 3 * error), "places", places,
+          .see(std::max(0.0, 1 - drawn.radiance[0].mean() / mean - 5 * error), "places", places,
                "<N>/places", share, "cut", drawn.at_ceiling);
     }
   }
