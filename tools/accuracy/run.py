@@ -9,15 +9,7 @@ from pathlib import Path
 
 from common import environments
 from common.benchmark_build import build
-from common.processes import (
-    BUILD,
-    ROOT,
-    TOOLS,
-    StepFailedError,
-    describe,
-    run_limited,
-    run_program,
-)
+from common.processes import BUILD, ROOT, TOOLS, run_measurement, run_program
 from common.report_folder import ACCURACY, check_file
 
 SECONDS = 1800
@@ -42,19 +34,13 @@ def main() -> int:
         program = build("trade")
         shutil.rmtree(MEASUREMENTS, ignore_errors=True)
         MEASUREMENTS.mkdir(parents=True)
-        _run("The measurement", [program, MEASUREMENTS, *["--quick"] * arguments.quick], {0})
+        measuring = [program, MEASUREMENTS, *["--quick"] * arguments.quick]
+        run_measurement("The measurement", measuring, seconds=SECONDS)
         report = [environments.ACCURACY.python, TOOLS, "accuracy.report"]
         report += ["--measurements", MEASUREMENTS, "--out", arguments.out]
         if arguments.json:
             report += ["--json", arguments.json]
-        return _run("The report", report, {0, 1})
-
-
-def _run(what: str, command: list[str | Path], good: set[int]) -> int:
-    code = run_limited(command, seconds=SECONDS)
-    if code not in good:
-        raise StepFailedError(f"{what} failed ({describe(code)}); nothing was written.")
-    return code
+        return run_measurement("The report", report, good=(0, 1), seconds=SECONDS)
 
 
 if __name__ == "__main__":

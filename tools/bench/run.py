@@ -14,10 +14,9 @@ from pathlib import Path
 from common import bars, environments
 from common.benchmark_build import build
 from common.environments import FIRST_BLENDER, Blender
-from common.processes import ROOT, TOOLS, StepFailedError, run_program, say
+from common.processes import ROOT, TOOLS, StepFailedError, run_measurement, run_program, say
 from common.report_folder import BENCH, REPORT, check_file
 
-from bench.processes import run
 from bench.rows import ABSENT, CORE, ERROR, PARTS, RENDERED, SERIES, WORK, Found, read, write
 from bench.waits import waits
 
@@ -28,7 +27,7 @@ def measure(blender: Blender, part: str, quick: bool) -> list[Found]:
     say(f"Measuring {part} in Blender {blender.version}…")
     file = WORK / f"{part}-{blender.version}.json"
     program = [blender.python, TOOLS, "bench.measure", part, "--json", file]
-    run(f"Measuring {part}", [*program, *["--quick"] * quick])
+    run_measurement(f"Measuring {part}", [*program, *["--quick"] * quick])
     return read(file)
 
 
@@ -38,7 +37,7 @@ def measure_core(quick: bool) -> list[Found]:
     with environments.alone():
         program = build("speed")
     command = [environments.ACCURACY.python, TOOLS, "bench.core", program, "--json", file]
-    run("Measuring the core", [*command, *["--quick"] * quick])
+    run_measurement("Measuring the core", [*command, *["--quick"] * quick])
     return read(file)
 
 
@@ -89,17 +88,9 @@ def main() -> int:
     write(found, WORK / FOUND)
     with BENCH.fill(arguments.out) as folder:
         program = [environments.ACCURACY.python, TOOLS, "bench.report", "--found", WORK / FOUND]
-        run("The report", [*program, "--out", folder, *["--quick"] * quick])
+        run_measurement("The report", [*program, "--out", folder, *["--quick"] * quick])
     judged = [bar for part in found for bar in part.bars()]
-    if arguments.json:
-        bars.write(judged, arguments.json)
-    say("")
-    for bar in judged:
-        say(str(bar))
-    missed = sum(not bar.holds for bar in judged)
-    say(f"\n{len(judged) - missed} bars hold, {missed} do not.")
-    say(f"{arguments.out / REPORT}, {time.monotonic() - start:.0f} s in all")
-    return 1 if missed else 0
+    return bars.conclude(judged, arguments.json, arguments.out / REPORT, start)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from common.environments import Blender
-from common.processes import TOOLS, say
+from common.processes import TOOLS, run_measurement, say
 
-from bench.processes import run
 from bench.rows import Found, Row, seconds
 
 MANY = 20
@@ -55,7 +54,7 @@ def waits(blender: Blender, work: Path, quick: bool) -> list[Found]:
 def _hold(blender: Blender, session: Session, file: Path) -> dict[str, float]:
     program = [blender.python, TOOLS, "bench.session", session.contender, "--json", file]
     program += ["--count", str(session.count), "--steps", str(session.steps)]
-    run("A session in a fresh Blender", program)
+    run_measurement("A session in a fresh Blender", program)
     return json.loads(file.read_text(encoding="utf-8"))
 
 

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from common import files
+from common.processes import say
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,19 @@ def at_most(name: str, value: float, limit: float, unit: str = "1") -> Bar:
 def _bar(name: str, value: float, limit: float, unit: str, holds: bool) -> Bar:
     finite = math.isfinite(value)
     return Bar(name, float(value) if finite else None, unit, limit, bool(holds and finite))
+
+
+def conclude(judged: Sequence[Bar], file: Path | None, report: Path, start: float) -> int:
+    """Says each bar and where the report is, begun at that time.monotonic(); the exit code."""
+    if file:
+        write(judged, file)
+    say("")
+    for bar in judged:
+        say(str(bar))
+    missed = sum(not bar.holds for bar in judged)
+    say(f"\n{len(judged) - missed} bars hold, {missed} do not.")
+    say(f"{report}, {time.monotonic() - start:.0f} s in all")
+    return 1 if missed else 0
 
 
 def write(rows: Sequence[Any], path: Path) -> None:

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
@@ -91,6 +91,16 @@ def run_step(what: str, command: Sequence[str | Path], log_name: str) -> None:
         raise StepFailedError(
             f"{what} failed ({describe(code)}). The end of {log.relative_to(ROOT)}:\n{tail(log)}"
         )
+
+
+def run_measurement(
+    what: str, command: Sequence[str | Path], *, good: Collection[int] = (0,), seconds: float = 3600
+) -> int:
+    """Runs one program of a report, which is written at the end; returns its exit code."""
+    code = run_limited(command, seconds=seconds)
+    if code not in good:
+        raise StepFailedError(f"{what} failed ({describe(code)}); nothing was written.")
+    return code
 
 
 def describe(code: int) -> str:

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 
 from common import environments
-from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program
+from common.processes import ROOT, TOOLS, StepFailedError, run_measurement, run_program
 from common.report_folder import MEASURE, check_file
 from metallic_paint.paint import presets
 
@@ -40,10 +40,7 @@ def main() -> int:
     report += [arguments.preset, "--out", out, *["--quick"] * arguments.quick]
     if arguments.json:
         report += ["--json", arguments.json]
-    code = run_limited(report, seconds=SECONDS)
-    if code != 0:
-        raise StepFailedError(f"The measurement failed ({describe(code)}); nothing was written.")
-    return 0
+    return run_measurement("The measurement", report, seconds=SECONDS)
 
 
 if __name__ == "__main__":

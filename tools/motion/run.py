@@ -21,9 +21,7 @@ from common.processes import (
     BUILD,
     ROOT,
     TOOLS,
-    StepFailedError,
-    describe,
-    run_limited,
+    run_measurement,
     run_program,
     say,
 )
@@ -31,7 +29,6 @@ from common.report_folder import MOTION, REPORT, check_file, table
 
 from motion.rows import FILM, FILMED, MATERIALS, MEASURED, Row, strip_of
 
-SECONDS = 3600  # for one motion
 WORK = BUILD / "motion"
 
 ABOUT = """\
@@ -98,9 +95,7 @@ def film(folder: Path, quick: bool) -> None:
 
 def _run(what: str, command: list[str | Path]) -> None:
     say(f"{what}…")
-    code = run_limited(command, seconds=SECONDS)
-    if code != 0:
-        raise StepFailedError(f"{what} failed ({describe(code)}); nothing was written.")
+    run_measurement(what, command)
 
 
 def report(found: Sequence[Found]) -> Iterator[str]:
@@ -157,15 +152,7 @@ def main() -> int:
         film(folder, quick)
         (folder / REPORT).write_text("\n".join(report(found)), encoding="utf-8")
     judged = [bar for part in found for bar in part.bars()]
-    if arguments.json:
-        bars.write(judged, arguments.json)
-    say("")
-    for bar in judged:
-        say(str(bar))
-    missed = sum(not bar.holds for bar in judged)
-    say(f"\n{len(judged) - missed} bars hold, {missed} do not.")
-    say(f"{arguments.out / REPORT}, {time.monotonic() - start:.0f} s in all")
-    return 1 if missed else 0
+    return bars.conclude(judged, arguments.json, arguments.out / REPORT, start)
 
 
 if __name__ == "__main__":

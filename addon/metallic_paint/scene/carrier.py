@@ -33,6 +33,7 @@ NAME = ".Metallic Paint Lights"  # menus leave out what begins with a dot
 _MARK = "metallic_paint_carrier"
 _POINTER = "metallic_paint_lights"  # an object's property
 
+SLOTS = 8
 PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
 KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
 
@@ -118,7 +119,7 @@ def values() -> list[tuple[int, Vector, float]]:
     """Kind, vector and size of the slots in use, as they stand, in single precision."""
     found = {}
     for tree in all_of_file()[:1]:
-        for slot, kind in itertools.product(range(1, len([*tree.keys()]) + 1), KINDS.values()):
+        for slot, kind in itertools.product(range(1, SLOTS + 1), KINDS.values()):
             if (numbers := tree.get(_name(slot, kind))) is not None:
                 *vector, size = np.array(numbers, np.float32).tolist()
                 found[slot] = kind, Vector(vector), size

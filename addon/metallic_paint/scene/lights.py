@@ -22,7 +22,7 @@ from . import carrier
 NAME = "Metallic Paint Lights"
 VERSION = 3
 _LEAST_VERSION = 2  # that has today's outputs; fill makes it today's
-SLOTS = 8
+SLOTS = carrier.SLOTS
 METERS_PER_UNIT = "MetersPerUnit"
 OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
 
