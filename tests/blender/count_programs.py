@@ -4,8 +4,8 @@
 Usage: python count_programs.py FILE.blend OUT, in an empty folder of its own and with
 OSL_OPTIONS=llvm_output_bitcode=1, by which OSL writes each program that it compiles into the
 folder. Renders the file as it is, after the lamp Lamp moved and grew, at the next frame, and after
-a step of the paint's slider; prints the number of programs of each, and writes OUT-moved.exr, and
-OUT-moved.blend as it was then.
+a step of the paint's slider; prints the number of programs of each, and writes OUT-moved.exr,
+OUT-next.exr and so on, and beside them the files as they were then.
 """
 
 from __future__ import annotations
@@ -45,6 +45,8 @@ bpy.ops.wm.save_as_mainfile(filepath=f"{out}-moved.blend", copy=True)
 scene.frame_set(scene.frame_current + 1)
 scene.render.filepath = f"{out}-next.exr"
 counts.append(programs())
+bpy.ops.wm.save_as_mainfile(filepath=f"{out}-next.blend", copy=True)
+scene.render.filepath = f"{out}-slider.exr"
 tree = bpy.data.materials["Painted"].node_tree
 tree.nodes["Metallic Paint"].inputs["Tilt"].default_value *= 1.1
 counts.append(programs())

@@ -24,7 +24,7 @@ from metallic_paint.paint import (
     shader_value,
     value_of,
 )
-from metallic_paint.scene import lights
+from metallic_paint.scene import lights, needs
 
 Render = Callable[[], np.ndarray]
 
@@ -56,9 +56,9 @@ EVERYTHING_ELSE = everything_else()
 def probe(body: str) -> str:
     """A shader with the paint's parameters that emits what the body assigns to `value`."""
     paint = Paint()
-    parameters = ["int Frame = 0", "float OtherLight = 0", "float MetersPerUnit = 1",
-                  "normal Normal = N", "normal CoatNormal = Normal",
-                  "vector RestPosition = 0"]  # fmt: skip
+    parameters = ["int Frame = 0", "int CurrentFrame = 0", "float OtherLight = 0",
+                  "float MetersPerUnit = 1", "normal Normal = N",
+                  "normal CoatNormal = Normal", "vector RestPosition = 0"]  # fmt: skip
     for name, parameter in PARAMETERS.items():
         default = shader_value(parameter, value_of(paint, name))
         if isinstance(default, tuple):
@@ -406,6 +406,26 @@ def test_the_shader_knows_how_long_a_unit_of_the_scene_is(
     assert render()[8, 8, 0] == 0.25
     material.paint_node(paint).inputs[material.MODEL_SCALE].default_value = 8
     assert render()[8, 8, 0] == 2
+
+
+def test_the_shader_knows_the_scenes_frame_where_the_paint_is_new_in_every_frame(
+    plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
+) -> None:
+    """Elsewhere the compiler knows it to be 0, and leaves it out."""
+    use_source(probe("value = color(Frame, CurrentFrame, isconstant(CurrentFrame));"))
+    scene = bpy.context.scene
+    paint = material.create(Paint())
+    material.assign(plane, paint)
+    node = material.paint_node(paint)
+    node.inputs["Frame"].default_value = 5
+    scene.frame_set(30)
+    needs.fit(scene)
+    assert render()[8, 8].tolist() == [5, 0, 1]
+    node.inputs[material.NEW_IN_EVERY_FRAME].default_value = True
+    needs.fit(scene)
+    assert render()[8, 8].tolist() == [5, 30, 0]
+    scene.frame_set(-3, subframe=0.75)
+    assert render()[8, 8].tolist() == [5, -3, 0]
 
 
 def test_every_value_of_a_paint_reaches_the_shader(

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A light that moves compiles nothing, and shows the same picture as if it had always stood so."""
+"""A light that moves compiles nothing, nor does a frame that draws the flakes anew: the picture is
+that of the light that always stood so, of a paint that always had that Frame."""
 
 from __future__ import annotations
 
@@ -28,6 +29,7 @@ def blend(tmp_path: Path) -> Path:
     material.set_up_cycles(scene)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.02)
     paint = material.create(presets.load("silver-coarse"), "Painted")
+    material.paint_node(paint).inputs[material.NEW_IN_EVERY_FRAME].default_value = True
     material.assign(bpy.context.object, paint)
     sun = add_lamp("SUN", "Sun", energy=2)
     for frame, turn in ((1, 0.3), (10, 0.8)):
@@ -54,7 +56,9 @@ def read(file: Path) -> np.ndarray:
 
 
 @pytest.mark.every_blender
-def test_a_light_that_moves_compiles_nothing(blend: Path, tmp_path: Path) -> None:
+def test_lights_that_move_and_frames_that_are_drawn_anew_compile_nothing(
+    blend: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "programs"
     folder.mkdir()
     environment = {
@@ -73,9 +77,15 @@ def test_a_light_that_moves_compiles_nothing(blend: Path, tmp_path: Path) -> Non
     assert first > 0
     assert slider > 0  # or the counting is broken
 
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "there-moved.blend"))
-    fresh = verify.render(bpy.context.scene)[::-1]
     there = {name: read(tmp_path / f"there-{name}.exr") for name in ("first", "moved", "next")}
-    np.testing.assert_array_equal(there["moved"], fresh)
-    for other in ("first", "next"):
-        assert (there[other] != fresh).any(axis=-1).sum() > 100
+    for name in ("moved", "next"):
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / f"there-{name}.blend"))
+        inputs = material.paint_node(bpy.data.materials["Painted"]).inputs
+        inputs[material.NEW_IN_EVERY_FRAME].default_value = False
+        inputs["Frame"].default_value = bpy.context.scene.frame_current
+        np.testing.assert_array_equal(verify.render(bpy.context.scene)[::-1], there[name])
+    for one, other in (("first", "moved"), ("moved", "next")):
+        assert (there[one] != there[other]).any(axis=-1).sum() > 100
+    # The paint, and not its lights alone: at the frame of before it is another.
+    inputs["Frame"].default_value -= 1
+    assert (verify.render(bpy.context.scene)[::-1] != there["next"]).any(axis=-1).sum() > 100

@@ -21,6 +21,7 @@ from metallic_paint import verify
 from metallic_paint.interface import verify as interface
 from metallic_paint.native import core_missing
 from metallic_paint.paint import material, presets, shader
+from metallic_paint.scene import needs
 from metallic_paint.verify import check
 from metallic_paint.verify import job as verify_job
 from metallic_paint.verify.check import VerifyError, as_found
@@ -130,6 +131,18 @@ def test_the_numbers_are_those_of_every_pixel() -> None:
     assert found.pixels > SIZE * SIZE
     assert found.worst_error < 1e-2
     assert found.notes[-1].startswith("The core is metallic_paint_core")
+
+
+@pytest.mark.every_blender
+def test_a_paint_that_is_new_in_every_frame_agrees_at_the_scenes_frame() -> None:
+    scene = build()
+    node = material.paint_node(scene.objects["Monkey"].active_material)
+    node.inputs[material.NEW_IN_EVERY_FRAME].default_value = True
+    needs.fit(scene)
+    for frame in (12, 13):
+        scene.frame_set(frame)
+        found = run(scene, scene.objects["Monkey"], SIZE)
+        assert found.agrees, str(found)
 
 
 def test_links_are_told_and_their_sockets_values_are_checked() -> None:

@@ -11,8 +11,8 @@ from typing import Any, TypeGuard
 import bpy
 import numpy as np
 
-from ..scene import lights
-from . import shader
+from ..scene import carrier, lights
+from . import animation, shader
 from .parameters import (
     BINDER,
     FLAKES,
@@ -35,10 +35,11 @@ from .parameters import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 5  # of the group's interface: another layout, another version
+VERSION = 6  # of the group's interface: another layout, another version
 OUTPUT = "BSDF"
 NORMAL, COAT_NORMAL, REST_POSITION = "Normal", "Coat Normal", "Rest Position"
 MODEL_SCALE = "Model Scale"
+NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
@@ -94,9 +95,10 @@ _METALS = {
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
-        "Another number, another draw of the same flakes. Type #frame to draw anew in each frame",
+        "Another number, another draw of the same flakes",
     ),
 }  # fmt: skip
+_CURRENT_FRAME = "CurrentFrame"  # the shader's name of what is added to Frame
 
 
 def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
@@ -234,6 +236,25 @@ def rides(node: bpy.types.ShaderNodeGroup) -> bool:
     if socket is None:  # of an older version
         return False
     return socket.is_linked or socket.default_value != ANCHOR.choices.index("pixel")
+
+
+def draws_every_frame(tree: bpy.types.NodeTree) -> bool:
+    """Whether a paint in the tree is, or by a link or key may be, drawn anew in every frame."""
+    for node in filter(is_paint, tree.nodes):
+        socket: bpy.types.NodeSocket | None = node.inputs.get(NEW_IN_EVERY_FRAME)
+        if socket is not None and (  # None of an older version
+            socket.default_value
+            or socket.is_linked
+            or any(animated == socket for _, animated, _ in animation.of_inputs(tree, node))
+        ):
+            return True
+    return False
+
+
+def frame_of(node: bpy.types.ShaderNodeGroup, scene: bpy.types.Scene) -> int:
+    """The core's frame of what the scene shows now: integers wrap, as the shader's."""
+    current = scene.frame_current if node.inputs[NEW_IN_EVERY_FRAME].default_value else 0
+    return (node.inputs["Frame"].default_value + current - INT_MIN) % 2**32 + INT_MIN
 
 
 def linked_from(node: bpy.types.ShaderNodeGroup) -> str:
@@ -385,7 +406,9 @@ def _script_node(group: bpy.types.ShaderNodeTree, source: str) -> bpy.types.Shad
 
 def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected = {parameter.shader for parameter in PARAMETERS.values()}
-    expected |= {*_EXTRAS, *GEOMETRY, lights.METERS_PER_UNIT, lights.OTHER_LIGHT}
+    expected |= {
+        *_EXTRAS, _CURRENT_FRAME, *GEOMETRY, lights.METERS_PER_UNIT, lights.OTHER_LIGHT,
+    }  # fmt: skip
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
     expected.add(OUTPUT)
@@ -431,6 +454,7 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
 
     for name in _EXTRAS:
         add_extra(name)
+    _add_new_in_every_frame(group, panels[SPARKLE], script_inputs[_CURRENT_FRAME], inside)
     for name, label in GEOMETRY.items():
         _add_geometry(group, label)
         group.links.new(inside.outputs[label], script_inputs[name])
@@ -457,6 +481,29 @@ def _add_parameter(
         socket.subtype = parameter.subtype
         socket.min_value, socket.max_value = parameter.slider
     socket.default_value = default
+
+
+def _add_new_in_every_frame(
+    group: bpy.types.ShaderNodeTree,
+    panel: bpy.types.NodeTreeInterfacePanel,
+    current_frame: bpy.types.NodeSocket,
+    inside: bpy.types.Node,
+) -> None:
+    """The carrier's frame times 1 or 0: for 0 Blender leaves it out of the shader."""
+    socket = group.interface.new_socket(
+        NEW_IN_EVERY_FRAME, in_out="INPUT", socket_type="NodeSocketBool", parent=panel,
+        description="Every frame draws the flakes anew, like film grain; Blender compiles nothing "
+        "for it",
+    )  # fmt: skip
+    socket.default_value = False
+    carried = group.nodes.new("ShaderNodeAttribute")
+    carried.attribute_type, carried.attribute_name = "INSTANCER", carrier.FRAME_PATH
+    product = group.nodes.new("ShaderNodeMath")
+    product.operation = "MULTIPLY"
+    carried.location, product.location = (-500, 300), (-250, 300)
+    group.links.new(carried.outputs["Fac"], product.inputs[0])
+    group.links.new(inside.outputs[NEW_IN_EVERY_FRAME], product.inputs[1])
+    group.links.new(product.outputs[0], current_frame)
 
 
 def _add_geometry(group: bpy.types.ShaderNodeTree, label: str) -> None:

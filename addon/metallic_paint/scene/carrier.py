@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What changes of the lights while one works: directions, places and sizes.
+"""What changes while one works: the lights' directions, places and sizes, and the frame.
 
 Blender writes the values of nodes into the shader and compiles it anew for each change. What an
 Attribute node finds at an object it reads in the render. So one datablock of the file holds these
-values, every object that shows a paint has a property that points to it, and the light slots read
-it by that path: a lamp that moves compiles nothing.
+values, every object that shows a paint has a property that points to it, and light slots and paints
+read it by that path: a lamp that moves compiles nothing, nor does a frame with grain of its own.
 
 The datablock is a node tree that no shader uses. Blender evaluates it where nothing but such a
 property leads to it, it can have drivers, and no material or mesh has to be prepared anew for it.
@@ -45,6 +45,9 @@ _SIZES = {
     POSITIONED: ("shadow_soft_size", f"max(size,{_LEAST_SIZE})"),
 }
 _DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
+
+_FRAME = "Frame"
+FRAME_PATH = f'["{_POINTER}"]["{_FRAME}"]'  # where such an object has the scene's frame
 
 
 def path(slot: int, kind: int) -> str:
@@ -129,8 +132,9 @@ def values() -> list[tuple[int, Vector, float]]:
 def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]) -> None:
     """The values of these lights, slot 1 first, and drivers that keep them so."""
     tree = only()
-    let_go()
-    for name in {*tree.keys()} - {_MARK}:
+    for data_path, index in _driven(tree):
+        tree.driver_remove(data_path, index)
+    for name in {*tree.keys()} - {_MARK, _FRAME}:
         del tree[name]
     set_values(lights, matrices)
     for slot, light in enumerate(lights, 1):
@@ -154,8 +158,28 @@ def set_values(
     tree.update_tag()
 
 
+def follow_frame(needed: bool) -> None:
+    """Whether there is the frame; if so, Blender evaluates all that carry it in every frame.
+
+    Motion blur may put a render between two frames, which then belongs to the first.
+    """
+    tree = only()
+    if needed == _follows_frame(tree):
+        return
+    if needed:
+        tree[_FRAME] = 0.0
+        _drive(tree, f'["{_FRAME}"]', -1, "floor(frame)", {})
+    else:
+        tree.driver_remove(f'["{_FRAME}"]')
+        del tree[_FRAME]
+
+
+def _follows_frame(tree: bpy.types.NodeTree) -> bool:
+    return any(not curve.driver.variables for curve in _curves(tree))
+
+
 def let_go() -> None:
-    """The values stay, and follow no lamp any more."""
+    """The values stay, and follow nothing any more."""
     for tree in all_of_file():
         tree.animation_data_clear()
 
@@ -184,13 +208,20 @@ def has_lost_lamp() -> bool:
 
 
 def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], bpy.types.ID | None]:
-    """What each driver looks at, None for what is gone, by what it drives."""
-    curves = tree.animation_data.drivers if tree.animation_data else ()
-    return {(curve.data_path, curve.array_index): _source(curve.driver) for curve in curves}
+    """The light that each driver of a slot looks at, None for one that is gone."""
+    return {
+        (curve.data_path, curve.array_index): _source(curve.driver)
+        for curve in _curves(tree)
+        if curve.driver.variables  # the frame's has none
+    }
+
+
+def _curves(tree: bpy.types.NodeTree) -> bpy.types.AnimDataDrivers | tuple[()]:
+    return tree.animation_data.drivers if tree.animation_data else ()
 
 
 def _source(driver: bpy.types.Driver) -> bpy.types.ID | None:
-    return next((variable.targets[0].id for variable in driver.variables), None)
+    return driver.variables[0].targets[0].id
 
 
 def _drive(

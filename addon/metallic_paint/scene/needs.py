@@ -74,8 +74,9 @@ class Needs:
 def fit(scene: bpy.types.Scene) -> Needs:
     """Fills the light slots and leaves out what the scene does not require.
 
-    Call it again when lights, objects, or materials that emit come, go or change type, and when the
-    size of a lamp, the world or the number of bounces changes.
+    Call it again when lights, objects, or materials that emit come, go or change type, when the
+    size of a lamp, the world or the number of bounces changes, and when a paint is drawn anew in
+    every frame or no more.
     """
     if not lights.groups():
         return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
@@ -85,6 +86,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
         other_light = tuple(_other_light(scene, report))
         needs = Needs(report, other_light)
         lights.show_other_light(bool(needs.other_light))
+        carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
         group[_SCENE] = scene.name_full
@@ -140,7 +142,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
-        _world_may_shine(scene),
+        _world_may_shine(scene), _draws_every_frame(),
     ]  # fmt: skip
     seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
     seen += [
@@ -216,6 +218,12 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
         yield "volumes"
     if _bounces(scene) > 0 and shapes:
         yield "the paint itself" if len(shapes) == 1 else "their neighbours"
+
+
+def _draws_every_frame() -> bool:
+    """Whether any paint of the file asks for the frame."""
+    trees = [each.node_tree for each in bpy.data.materials if each.node_tree]
+    return any(map(material.draws_every_frame, (*trees, *bpy.data.node_groups)))
 
 
 # --- the world -------------------------------------------------------------------------------

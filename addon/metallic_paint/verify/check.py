@@ -107,7 +107,7 @@ def check(
         raise VerifyError("No sun, spot or point light renders: there is no sparkle to check.")
     slots = core_lights()
     node = material.paint_node(painted)
-    frame = int(node.inputs["Frame"].default_value)
+    frame = material.frame_of(node, scene)
     settings = material.paint_of(node)
     paint = core_paint(settings, frame)
     region = _region(scene, layer, thing, painted, size, paint, slots)
