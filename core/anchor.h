@@ -9,11 +9,12 @@
 // are independent, each Poisson with the mean of its own area (or binomial where few flakes fill
 // it): all that holds of a pixel in expected_sparkles.h holds of a cell.
 //
-// A cell is a column over a rectangle of the plane across that axis of the own space which is
-// nearest to the normal: a surface cuts the column in the rectangle's area over |n_axis|. The sides
-// are powers of two, so that they stay while the footprint changes. Each parent is kept whole or
-// halved by a deviate of its own against the share that the footprint asks for: one by one the
-// cells give way to larger or smaller ones, and at every time a point lies in exactly one.
+// A cell is a column over a parallelogram of the plane across that axis of the own space which is
+// nearest to the normal: a surface cuts the column in the parallelogram's area over |n_axis|. Its
+// length along one axis and its width along the other are powers of two, so that they stay while
+// the footprint changes. Each parent is kept whole or halved by a deviate of its own against the
+// share that the footprint asks for: one by one the cells give way to larger or smaller ones, and
+// at every time a point lies in exactly one. How far a cell leans follows the footprint.
 //
 // Within a cell the flakes' normals have cells as well. A sample takes those about n_f, the normal
 // that mirrors the light; neither the light's number nor the pixel's counts. So two lights from one
@@ -37,6 +38,13 @@ inline constexpr double kNormalCell = 10;
 
 // The footprint is as long as at this cosine where the view is lower.
 inline constexpr double kLongestFootprint = 0.01;
+
+// A footprint is long along v unless it is so much longer along u, as the squares of its lengths:
+// round ones, of which rounding would decide, stay with v.
+inline constexpr double kLonger = 1.1;
+
+// The length of a row of cells side by side, in lengths of one cell.
+inline constexpr double kRow = 8;
 
 // Columns end after so many sides, so that two sheets of paint above each other differ.
 inline constexpr double kColumn = 16;
@@ -123,11 +131,11 @@ Octave<T> settled(Octave<T> octave, T size, std::uint32_t word) {
 //
 // A pixel is as wide as high across the view. With n the normal, c = cos(theta) and t = V - c n,
 // its footprint Sigma on the surface is the ellipse of the square form Sigma (c (1 - n n) + t t/c);
-// on the plane across an axis, that form's part q there. Measured by q, a rectangle's sides u and v
-// are u/sqrt((1 - r^2) q_uu) and v/sqrt((1 - r^2) q_vv) long, with the cosine r = q_uv/sqrt(q_uu
-// q_vv) between them, and it blurs most along their sum or difference, by the factor 1 + |r|. So
-// with u^2 = q_uu (1 - |r|) and v^2 = q_vv (1 - |r|) no direction is blurred more than in a
-// footprint that lies along the axes.
+// on the plane across an axis that is the part q there. The larger of q_uu and q_vv tells the axis
+// along which the footprint is long, here v. It leans across that axis by the slope q_uv/q_vv, and
+// so do the cells, each about its own middle: what leans is in pixels a rectangle of the sides
+// u sqrt(q_vv/det q) and v/sqrt(q_vv). det q is that of the form on the surface, (Sigma c)(Sigma c
+// + Sigma t t/c), times n_w^2. A cell turns with the view, and keeps its place and its flakes.
 template <class T>
 Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stream) {
   const OwnSpace<T>& own = point.own;
@@ -140,7 +148,7 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const T n_u = normal[plane.u], n_v = normal[plane.v];
   const T t_u = across[plane.u], t_v = across[plane.v];
-  const T u = place[plane.u], v = place[plane.v], w = place[plane.w];
+  const T w = place[plane.w];
   const T facing = clamp(abs(normal[plane.w]), T(0.5), T(1));
 
   const T pixel = clamp(point.footprint, T(1e-20), T(1e6)) * share;
@@ -151,31 +159,52 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T q_uu = round_part * (1 - n_u * n_u) + longer * (t_u * t_u);
   const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
   const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  const T straight = max(1 - abs(q_uv) / sqrt(q_uu * q_vv), T(1e-4));
-  const T sizes[2] = {sqrt(size * (q_uu * straight)), sqrt(size * (q_vv * straight))};
-
-  // The deviate of either side belongs to a square of that parent: what the other side does leaves
-  // it alone.
-  T side[2];
-  int level[2];
-  for (int i = 0; i < 2; ++i) {
-    const Octave<T> parent = octave_of(sizes[i]);
-    const HashWords words = pcg4d(
-        {lattice_word(floor(u / parent.side)) ^ stream.x,
-         lattice_word(floor(v / parent.side)) ^ stream.y, stream.z + static_cast<std::uint32_t>(i),
-         stream.w + static_cast<std::uint32_t>(parent.level * 8 + plane.face)});
-    const Octave<T> own_side = settled(parent, sizes[i], words.x);
-    side[i] = own_side.side;
-    level[i] = own_side.level;
+  const T det = round_part * (round_part + longer * dot(t, t)) * (facing * facing);
+  T q_long = q_vv, along = place[plane.v], aside = place[plane.u];
+  const bool along_u = q_uu > T(kLonger) * q_vv;
+  if (along_u) {
+    q_long = q_uu;
+    along = place[plane.u];
+    aside = place[plane.v];
   }
+  const T length_asked = sqrt(size * q_long), width_asked = sqrt(size * (det / q_long));
+
+  // A row of some cells side by side is as long as its deviate says.
+  const Octave<T> longest = octave_of(length_asked);
+  const int of_length = longest.level * 8 + plane.face;
+  const HashWords row_words =
+      pcg4d({lattice_word(floor(aside / (T(kRow) * longest.side))) ^ stream.x,
+             lattice_word(floor(along / longest.side)) ^ stream.y, stream.z,
+             stream.w + static_cast<std::uint32_t>(of_length)});
+  const Octave<T> lengthwise = settled(longest, length_asked, row_words.x);
+  const T row = floor(along / lengthwise.side);
+  const T from_middle = along - (row + T(0.5)) * lengthwise.side;
+  const T straightened = aside - from_middle * (q_uv / q_long);
+
+  // A cell is halved along its length or not by its own.
+  const Octave<T> widest = octave_of(width_asked);
+  const int of_width = (lengthwise.level * 256 + widest.level) * 8 + plane.face;
+  const HashWords cell_words = pcg4d({lattice_word(floor(straightened / widest.side)) ^ stream.x,
+                                      lattice_word(row) ^ stream.y, stream.z + 1,
+                                      stream.w + static_cast<std::uint32_t>(of_width)});
+  const Octave<T> breadthwise = settled(widest, width_asked, cell_words.x);
+  const T place_aside = floor(straightened / breadthwise.side);
 
   Cell<T> cell;
-  cell.area = side[0] * side[1] / facing;
-  const T column = T(kColumn) * max(side[0], side[1]);
-  const int kind = (level[0] * 256 + level[1]) * 8 + plane.face;
-  cell.key = pcg4d(
-      {lattice_word(floor(u / side[0])) ^ stream.x, lattice_word(floor(v / side[1])) ^ stream.y,
-       lattice_word(floor(w / column)) ^ stream.z, stream.w + static_cast<std::uint32_t>(kind)});
+  cell.area = lengthwise.side * breadthwise.side / facing;
+  const T column = T(kColumn) * max(lengthwise.side, breadthwise.side);
+  int level_u = breadthwise.level, level_v = lengthwise.level;
+  T place_u = place_aside, place_v = row;
+  if (along_u) {
+    level_u = lengthwise.level;
+    level_v = breadthwise.level;
+    place_u = row;
+    place_v = place_aside;
+  }
+  const int kind = (level_u * 256 + level_v) * 8 + plane.face;
+  cell.key = pcg4d({lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
+                    lattice_word(floor(w / column)) ^ stream.z,
+                    stream.w + static_cast<std::uint32_t>(kind)});
   return cell;
 }
 

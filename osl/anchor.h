@@ -9,6 +9,8 @@
 
 #define NORMAL_CELL 10.0
 #define LONGEST_FOOTPRINT 0.01
+#define LONGER 1.1
+#define ROW 8.0
 #define COLUMN 16.0
 
 struct Cell {
@@ -103,8 +105,6 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float n_v = n[plane.v];
   float t_u = t[plane.u];
   float t_v = t[plane.v];
-  float u = own.position[plane.u];
-  float v = own.position[plane.v];
   float w = own.position[plane.w];
   float facing = clamp(fabs(n[plane.w]), 0.5, 1.0);
 
@@ -116,27 +116,49 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float q_uu = round_part * (1.0 - n_u * n_u) + longer * (t_u * t_u);
   float q_vv = round_part * (1.0 - n_v * n_v) + longer * (t_v * t_v);
   float q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  float straight = max(1.0 - fabs(q_uv) / sqrt(q_uu * q_vv), 1e-4);
-  float sizes[2] = {sqrt(size * (q_uu * straight)), sqrt(size * (q_vv * straight))};
-
-  float side[2] = {0.0, 0.0};
-  int level[2] = {0, 0};
-  for (int i = 0; i < 2; ++i) {
-    Octave parent = octave_of(sizes[i]);
-    HashWords words = pcg4d(lattice_word(floor(u / parent.side)) ^ stream.x,
-                            lattice_word(floor(v / parent.side)) ^ stream.y, stream.z + i,
-                            stream.w + (parent.level * 8 + plane.face));
-    Octave own_side = settled(parent, sizes[i], words.x);
-    side[i] = own_side.side;
-    level[i] = own_side.level;
+  float det = round_part * (round_part + longer * inner_product(t, t)) * (facing * facing);
+  float q_long = q_vv;
+  float along = own.position[plane.v];
+  float aside = own.position[plane.u];
+  int along_u = q_uu > LONGER * q_vv;
+  if (along_u) {
+    q_long = q_uu;
+    along = own.position[plane.u];
+    aside = own.position[plane.v];
   }
+  float length_asked = sqrt(size * q_long);
+  float width_asked = sqrt(size * (det / q_long));
+
+  Octave longest = octave_of(length_asked);
+  HashWords row_words = pcg4d(lattice_word(floor(aside / (ROW * longest.side))) ^ stream.x,
+                              lattice_word(floor(along / longest.side)) ^ stream.y, stream.z,
+                              stream.w + (longest.level * 8 + plane.face));
+  Octave lengthwise = settled(longest, length_asked, row_words.x);
+  float row = floor(along / lengthwise.side);
+  float from_middle = along - (row + 0.5) * lengthwise.side;
+  float straightened = aside - from_middle * (q_uv / q_long);
+
+  Octave widest = octave_of(width_asked);
+  HashWords cell_words = pcg4d(lattice_word(floor(straightened / widest.side)) ^ stream.x, lattice_word(row) ^ stream.y,
+                               stream.z + 1, stream.w + ((lengthwise.level * 256 + widest.level) * 8 + plane.face));
+  Octave breadthwise = settled(widest, width_asked, cell_words.x);
+  float place_aside = floor(straightened / breadthwise.side);
 
   Cell cell;
-  cell.area = side[0] * side[1] / facing;
-  float column = COLUMN * max(side[0], side[1]);
-  int kind = (level[0] * 256 + level[1]) * 8 + plane.face;
-  cell.key = pcg4d(lattice_word(floor(u / side[0])) ^ stream.x,
-                   lattice_word(floor(v / side[1])) ^ stream.y,
+  cell.area = lengthwise.side * breadthwise.side / facing;
+  float column = COLUMN * max(lengthwise.side, breadthwise.side);
+  int level_u = breadthwise.level;
+  int level_v = lengthwise.level;
+  float place_u = place_aside;
+  float place_v = row;
+  if (along_u) {
+    level_u = lengthwise.level;
+    level_v = breadthwise.level;
+    place_u = row;
+    place_v = place_aside;
+  }
+  int kind = (level_u * 256 + level_v) * 8 + plane.face;
+  cell.key = pcg4d(lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
                    lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);
   return cell;
 }

@@ -218,9 +218,10 @@ TEST(Anchor, FlakesStayLitWhileTheHalfWayDirectionTurnsByLessThanTheCone) {
   }
 }
 
-// Of two samples of one pixel through Cycles' filter (Blackman and Harris, 1.5 pixels): flakes of
-// no size have the variance m2 lambda/Sigma times the filter's integral of h^2; cells, in which
-// both samples see the same, E[1(same cell)/area].
+// Of two samples of one pixel through Cycles' filter, Blackman and Harris with the width of 1.5
+// pixels, which Cycles doubles (filter_table in its scene/film.cpp): flakes of no size have the
+// variance m2 lambda/Sigma times the filter's integral of h^2; cells, in which both samples see the
+// same, E[1(same cell)/area].
 class Filter {
  public:
   Filter() {
@@ -242,7 +243,7 @@ class Filter {
   }
 
  private:
-  static constexpr double kWidth = 1.5;
+  static constexpr double kWidth = 3;
   static constexpr int kSteps = 10'000;
   static double at(double t) {
     return 0.35875 - 0.48829 * std::cos(2 * kPi * t) + 0.14128 * std::cos(4 * kPi * t) -
