@@ -6,11 +6,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
+from statistics import NormalDist
 
 import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
+import seeds
 from metallic_paint import verify
 from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint
 from metallic_paint.scene import needs
@@ -18,6 +20,8 @@ from verification import scenes
 
 SAMPLES = 160
 SIZE = 32
+# Of the 600 comparisons (20 paints, two Blenders) one errs by chance in one of 10,000 runs.
+STANDARD_ERRORS = NormalDist().inv_cdf(1 - 1e-4 / (2 * 600))
 
 
 def scene_with(paint: Paint, size: int = SIZE, **changes: object) -> verify.Probe:
@@ -88,8 +92,11 @@ def flake_brdf(paint: Paint, view: np.ndarray, light: np.ndarray) -> np.ndarray:
     return core.flake_brdf(core_paint(paint), normal, np.broadcast_to(view, light.shape), light)
 
 
+QUADRATURE = 3e-4  # relative error of the next
+
+
 def albedo(paint: Paint, view: np.ndarray) -> np.ndarray:
-    """Of the flakes alone: their RGB radiance under a world of radiance 1. To 3e-4."""
+    """Of the flakes alone: their RGB radiance under a world of radiance 1."""
     return np.pi * flake_brdf(paint, view, half_sphere(200)).mean(axis=0)
 
 
@@ -102,14 +109,14 @@ def mean_of(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def expect_equal(
     image: np.ndarray,
     expected: np.ndarray,
-    relative: float = 0.01,
     bias: float | np.ndarray = 0.0,
+    noise: float = 0.005,
 ) -> None:
-    """Within 4 standard errors besides a bias, and within that part of it."""
+    """Within the standard errors besides a bias; they are a small share of the brightest colour."""
     mean, error = mean_of(image)
     off = np.abs(mean - expected)
-    assert (off <= 4 * error + bias).all(), (mean, error, expected)
-    assert (off <= relative * expected).all(), (mean, error, expected)
+    assert (error < noise * expected.max()).all(), (mean, error, expected)
+    assert (off <= STANDARD_ERRORS * error + bias).all(), (mean, error, expected)
 
 
 def random_flakes(random: np.random.Generator) -> dict[str, object]:
@@ -127,7 +134,7 @@ def random_flakes(random: np.random.Generator) -> dict[str, object]:
 
 def random_paint(k: int) -> Paint:
     """One to three species; metals, pearls and colours; more and less that absorbs."""
-    random = np.random.default_rng(k)
+    random = seeds.fresh(100 + k)
     more = [Flakes(**random_flakes(random)) for _ in range(k % 3)]
     second, third = [*more, NO_FLAKES, NO_FLAKES][:2]
     return Paint(
@@ -144,7 +151,7 @@ def random_paint(k: int) -> Paint:
 
 
 PAINTS = [random_paint(k) for k in range(20)]
-ELEVATIONS = [float(np.random.default_rng(100 + k).uniform(20, 90)) for k in range(20)]
+ELEVATIONS = [float(seeds.fresh(200 + k).uniform(20, 90)) for k in range(20)]
 
 
 # --- what the core expects ---------------------------------------------------------------------
@@ -235,8 +242,8 @@ def meets(lamp: bpy.types.Object, light: np.ndarray) -> float:
 
 PIXELS, WIDTH = 96, 0.01
 # Relative, of the means under the sun and the lamp. Under the world it is some 0.1 %.
-SUN_ERROR, LAMP_ERROR = 0.002, 0.003
-MOST_SAMPLES = 64
+SUN_ERROR, LAMP_ERROR = 0.002, 0.002
+MOST_SAMPLES = 144
 # Of the flakes' part under a lamp that has a size, as osl/flake_lobe.h states it.
 CONE_BIAS = 0.007
 
@@ -293,7 +300,7 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
     scene, view = probe.scene, view_of(probe)
     scene.render.use_persistent_data = True  # compiles for other lights only
-    sun, lamp = add_lights(paint, view, np.random.default_rng(200 + k))
+    sun, lamp = add_lights(paint, view, seeds.fresh(300 + k))
     world = add_world(0.5)
     expected = Expected(paint, view)
 
@@ -335,21 +342,18 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     expect_equal(by_lamp, of_lamp, bias=bias)
     expect_equal(joint, of_sun + of_world + of_lamp, bias=bias)
     rest, error = mean_of(joint - by_sun - by_world - by_lamp)
-    assert (np.abs(rest) <= 4 * error).all(), (rest, error)
-    for picture in (by_sun, by_world, by_lamp, joint):
-        mean, error = mean_of(picture)
-        assert (error < 0.005 * mean).all(), "noise hides nothing"
+    assert (np.abs(rest) <= STANDARD_ERRORS * error).all(), (rest, error)
 
 
 # --- its parts ---------------------------------------------------------------------------------
 
 
-# The third shows almost nothing of its flakes beside the rest.
 @pytest.mark.parametrize("k", some((3, 11, 19), 3))
 def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> None:
     probe = scene_with(PAINTS[k], elevation=ELEVATIONS[k])
     add_world(1.0)
-    expect_equal(probe.image(verify.LOBE), albedo(PAINTS[k], view_of(probe)))
+    expected = albedo(PAINTS[k], view_of(probe))
+    expect_equal(probe.image(verify.LOBE), expected, bias=QUADRATURE * expected)
 
 
 @pytest.mark.parametrize("k", some(range(2, len(PAINTS), 4), 5))
@@ -387,4 +391,4 @@ def test_a_light_beyond_the_slots_lights_the_mean() -> None:
     sun = add_sun("Unlisted", np.array([0.0, -math.cos(1.22), math.sin(1.22)]))
     light = towards(sun)
     f = flake_brdf(paint, view, light[None])[0]
-    expect_equal(probe.image(verify.LOBE), f * light[2] * sun.data.energy, relative=0.05)
+    expect_equal(probe.image(verify.LOBE), f * light[2] * sun.data.energy, noise=0.01)
