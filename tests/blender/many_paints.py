@@ -30,8 +30,12 @@ def link_to_property(socket: bpy.types.NodeSocket, name: str) -> None:
     tree = socket.id_data
     attribute = tree.nodes.new("ShaderNodeAttribute")
     attribute.attribute_type, attribute.attribute_name = "OBJECT", name
-    several = socket.type in ("RGBA", "VECTOR")
-    tree.links.new(attribute.outputs["Vector" if several else "Fac"], socket)
+    value = attribute.outputs["Vector"]
+    if socket.type not in ("RGBA", "VECTOR"):  # Fac is the mean of three, off by its rounding
+        apart = tree.nodes.new("ShaderNodeSeparateXYZ")
+        tree.links.new(value, apart.inputs[0])
+        value = apart.outputs["X"]
+    tree.links.new(value, socket)
 
 
 class ManyPaints:

@@ -13,6 +13,7 @@ import os
 import random
 import shutil
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -51,6 +52,12 @@ KEYS = (
 
 
 FIELDS = [field.name for field in dataclasses.fields(presets.Paint)]
+TABLE = tomllib.loads((ROOT / "parameters.toml").read_text(encoding="utf-8"))
+FORMER = {
+    name: parameter.get("former", ())
+    for part in ("flakes", "paint")
+    for name, parameter in TABLE[part].items()
+}
 
 
 def seeds() -> Iterator[bytes]:
@@ -107,17 +114,26 @@ def read(data: bytes) -> None:
         assert len(said) <= LONGEST_SENTENCE
         assert said.isprintable()
         return
-    expect(paint, json.loads(data)["paint"])
+    content = json.loads(data)
+    expect(paint, content["paint"], content.get("defaults", 1))
 
 
-def expect(made: presets.Flakes, given: dict[str, object]) -> None:
+def expect(made: presets.Flakes, given: dict[str, object], version: int) -> None:
     for field in dataclasses.fields(made):
         value = getattr(made, field.name)
-        wanted = given.get(field.name, field.default)
+        wanted = given.get(field.name, default_of(field, version))
         if isinstance(wanted, dict):
-            expect(value, wanted)
+            expect(value, wanted, version)
         else:
             assert value == (tuple(wanted) if isinstance(wanted, list) else wanted)
+
+
+def default_of(field: dataclasses.Field, version: int) -> object:
+    """As it was in that version of the defaults."""
+    for change in FORMER.get(field.name, ()):
+        if version <= change["through"]:
+            return change["default"]
+    return field.default
 
 
 def main() -> None:
