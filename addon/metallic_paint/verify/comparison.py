@@ -28,7 +28,6 @@ LEAST_WEIGHT = 1.1e-5
 # exponential of up to -87, in float's range, which some 16 roundings of 2^-24 move by 8e-5.
 MEAN_ROUNDING = 1e-4
 UNIFORM_ROUNDING = 1e-6
-COUNT_ROUNDING = 4e-6  # relative: a count above FAR_COUNT is <N>, after some dozens of roundings
 CELL_ROUNDING = 3e-6  # of a cell's share of its parent, as a change of the footprint
 FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/expected_sparkles.h
 
@@ -93,7 +92,7 @@ def compare(
     for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
         found = count[hit]
         wanted = expected["count"][:, leader]
-        same = np.abs(found - wanted) <= COUNT_ROUNDING * wanted  # below 250,000 the very count
+        same = found == wanted
         step = by_pixels & _near_threshold(paint, geometry, expected, leader, species, found)
         same_count += int(same.sum())
         edge += int((~same & at_edge).sum())
