@@ -181,22 +181,20 @@ HashWords about_normal(HashWords cell, vector n, float sin2_half_rho)
 // along each of its axes. With one, which the surface's deformation leaves alone, directions turn as the surface's tangents do.
 OwnSpace find_own_space(point position, float meters, vector rest)
 {
-  // The rows of the transform to the object, as long as the object's scale shrinks them.
-  vector x = transform("common", "object", vector(1.0, 0.0, 0.0));
-  vector y = transform("common", "object", vector(0.0, 1.0, 0.0));
-  vector z = transform("common", "object", vector(0.0, 0.0, 1.0));
+  // Its columns are as long as the object's scale shrinks them. Each transform() by name would ask the renderer anew.
+  matrix to_object = matrix("common", "object");
   OwnSpace own;
   float random = 0.0;
   getattribute("object:random", random);
   own.instance = (int)(random * 16777216.0);
-  own.x = vector(x[0], y[0], z[0]);
-  own.y = vector(x[1], y[1], z[1]);
-  own.z = vector(x[2], y[2], z[2]);
+  own.x = vector(to_object[0][0], to_object[1][0], to_object[2][0]);
+  own.y = vector(to_object[0][1], to_object[1][1], to_object[2][1]);
+  own.z = vector(to_object[0][2], to_object[1][2], to_object[2][2]);
   vector scale = vector(length(own.x), length(own.y), length(own.z));
   own.x = own.x / scale[0];
   own.y = own.y / scale[1];
   own.z = own.z / scale[2];
-  point local = transform("object", position);
+  point local = transform(to_object, position);
   int given = rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0;
   if (given)
     local = point(rest);

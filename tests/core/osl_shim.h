@@ -83,6 +83,11 @@ inline Triple normalize(Triple a) { return a / length(a); }
 // What only a renderer has: no camera and no object here; a closure is its weight.
 inline Triple transform(const char*, Triple p) { return p; }
 inline Triple transform(const char*, const char*, Triple p) { return p; }
+struct matrix {
+  matrix(const char*, const char*) {}
+  Triple operator[](int) const { return {}; }
+};
+inline Triple transform(matrix, Triple p) { return p; }
 inline Triple Dx(Triple) { return {}; }
 inline Triple Dy(Triple) { return {}; }
 inline int raytype(const char*) { return 0; }
