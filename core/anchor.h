@@ -152,14 +152,13 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   const T facing = clamp(abs(normal[plane.w]), T(0.5), T(1));
 
   const T pixel = clamp(point.footprint, T(1e-20), T(1e6)) * share;
-  const T size = pixel + least;
   const T c = clamp(cosine, T(kLongestFootprint), T(1));
-  const T round_part = (pixel * c + least) / size;
-  const T longer = pixel / (size * c);
+  const T round_part = pixel * c + least;
+  const T longer = pixel / c;
   const T q_uu = round_part * (1 - n_u * n_u) + longer * (t_u * t_u);
   const T q_vv = round_part * (1 - n_v * n_v) + longer * (t_v * t_v);
   const T q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  const T det = round_part * (round_part + longer * dot(t, t)) * (facing * facing);
+  const T det = round_part + longer * (1 - cosine * cosine);  // over round_part n_w^2
   T q_long = q_vv, along = place[plane.v], aside = place[plane.u];
   const bool along_u = q_uu > T(kLonger) * q_vv;
   if (along_u) {
@@ -167,40 +166,40 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
     along = place[plane.u];
     aside = place[plane.v];
   }
-  const T length_asked = sqrt(size * q_long), width_asked = sqrt(size * (det / q_long));
+  const T sizes[2] = {sqrt(q_long), sqrt(round_part * (det / q_long)) * facing};
 
-  // A row of some cells side by side is as long as its deviate says.
-  const Octave<T> longest = octave_of(length_asked);
-  const int of_length = longest.level * 8 + plane.face;
-  const HashWords row_words =
-      pcg4d({lattice_word(floor(aside / (T(kRow) * longest.side))) ^ stream.x,
-             lattice_word(floor(along / longest.side)) ^ stream.y, stream.z,
-             stream.w + static_cast<std::uint32_t>(of_length)});
-  const Octave<T> lengthwise = settled(longest, length_asked, row_words.x);
-  const T row = floor(along / lengthwise.side);
-  const T from_middle = along - (row + T(0.5)) * lengthwise.side;
-  const T straightened = aside - from_middle * (q_uv / q_long);
-
-  // A cell is halved along its length or not by its own.
-  const Octave<T> widest = octave_of(width_asked);
-  const int of_width = (lengthwise.level * 256 + widest.level) * 8 + plane.face;
-  const HashWords cell_words = pcg4d({lattice_word(floor(straightened / widest.side)) ^ stream.x,
-                                      lattice_word(row) ^ stream.y, stream.z + 1,
-                                      stream.w + static_cast<std::uint32_t>(of_width)});
-  const Octave<T> breadthwise = settled(widest, width_asked, cell_words.x);
-  const T place_aside = floor(straightened / breadthwise.side);
-
-  Cell<T> cell;
-  cell.area = lengthwise.side * breadthwise.side / facing;
-  const T column = T(kColumn) * max(lengthwise.side, breadthwise.side);
-  int level_u = breadthwise.level, level_v = lengthwise.level;
-  T place_u = place_aside, place_v = row;
-  if (along_u) {
-    level_u = lengthwise.level;
-    level_v = breadthwise.level;
-    place_u = row;
-    place_v = place_aside;
+  // First the length, of a row of some cells side by side: so long as its deviate says. In it the
+  // cells stand straight, and each is halved across by its own deviate or not.
+  T side[2], row = 0, crosswise = aside / T(kRow);
+  int level[2] = {0, 0};
+  for (int i = 0; i < 2; ++i) {
+    const Octave<T> parent = octave_of(sizes[i]);
+    if (i == 0) row = floor(along / parent.side);
+    const int of_parent = (level[0] * 256 + parent.level) * 8 + plane.face;
+    const HashWords words =
+        pcg4d({lattice_word(floor(crosswise / parent.side)) ^ stream.x,
+               lattice_word(row) ^ stream.y, stream.z + static_cast<std::uint32_t>(i),
+               stream.w + static_cast<std::uint32_t>(of_parent)});
+    const Octave<T> own_side = settled(parent, sizes[i], words.x);
+    side[i] = own_side.side;
+    level[i] = own_side.level;
+    if (i == 0) {
+      row = floor(along / side[0]);
+      crosswise = aside - (along - (row + T(0.5)) * side[0]) * (q_uv / q_long);
+    }
   }
+
+  T place_u = floor(crosswise / side[1]), place_v = row;
+  int level_u = level[1], level_v = level[0];
+  if (along_u) {
+    place_v = place_u;
+    place_u = row;
+    level_v = level_u;
+    level_u = level[0];
+  }
+  Cell<T> cell;
+  cell.area = side[0] * side[1] / facing;
+  const T column = T(kColumn) * max(side[0], side[1]);
   const int kind = (level_u * 256 + level_v) * 8 + plane.face;
   cell.key = pcg4d({lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
                     lattice_word(floor(w / column)) ^ stream.z,

@@ -109,14 +109,13 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   float facing = clamp(fabs(n[plane.w]), 0.5, 1.0);
 
   float pixel = clamp(surface.footprint, 1e-20, 1e6) * share;
-  float size = pixel + least;
   float c = clamp(cosine, LONGEST_FOOTPRINT, 1.0);
-  float round_part = (pixel * c + least) / size;
-  float longer = pixel / (size * c);
+  float round_part = pixel * c + least;
+  float longer = pixel / c;
   float q_uu = round_part * (1.0 - n_u * n_u) + longer * (t_u * t_u);
   float q_vv = round_part * (1.0 - n_v * n_v) + longer * (t_v * t_v);
   float q_uv = longer * (t_u * t_v) - round_part * (n_u * n_v);
-  float det = round_part * (round_part + longer * inner_product(t, t)) * (facing * facing);
+  float det = round_part + longer * (1.0 - cosine * cosine);
   float q_long = q_vv;
   float along = own.position[plane.v];
   float aside = own.position[plane.u];
@@ -126,37 +125,40 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
     along = own.position[plane.u];
     aside = own.position[plane.v];
   }
-  float length_asked = sqrt(size * q_long);
-  float width_asked = sqrt(size * (det / q_long));
+  float sizes[2] = {sqrt(q_long), sqrt(round_part * (det / q_long)) * facing};
 
-  Octave longest = octave_of(length_asked);
-  HashWords row_words = pcg4d(lattice_word(floor(aside / (ROW * longest.side))) ^ stream.x,
-                              lattice_word(floor(along / longest.side)) ^ stream.y, stream.z,
-                              stream.w + (longest.level * 8 + plane.face));
-  Octave lengthwise = settled(longest, length_asked, row_words.x);
-  float row = floor(along / lengthwise.side);
-  float from_middle = along - (row + 0.5) * lengthwise.side;
-  float straightened = aside - from_middle * (q_uv / q_long);
-
-  Octave widest = octave_of(width_asked);
-  HashWords cell_words = pcg4d(lattice_word(floor(straightened / widest.side)) ^ stream.x, lattice_word(row) ^ stream.y,
-                               stream.z + 1, stream.w + ((lengthwise.level * 256 + widest.level) * 8 + plane.face));
-  Octave breadthwise = settled(widest, width_asked, cell_words.x);
-  float place_aside = floor(straightened / breadthwise.side);
-
-  Cell cell;
-  cell.area = lengthwise.side * breadthwise.side / facing;
-  float column = COLUMN * max(lengthwise.side, breadthwise.side);
-  int level_u = breadthwise.level;
-  int level_v = lengthwise.level;
-  float place_u = place_aside;
-  float place_v = row;
-  if (along_u) {
-    level_u = lengthwise.level;
-    level_v = breadthwise.level;
-    place_u = row;
-    place_v = place_aside;
+  float side[2] = {0.0, 0.0};
+  int level[2] = {0, 0};
+  float row = 0.0;
+  float crosswise = aside / ROW;
+  for (int i = 0; i < 2; ++i) {
+    Octave parent = octave_of(sizes[i]);
+    if (i == 0)
+      row = floor(along / parent.side);
+    HashWords words = pcg4d(lattice_word(floor(crosswise / parent.side)) ^ stream.x, lattice_word(row) ^ stream.y,
+                            stream.z + i, stream.w + ((level[0] * 256 + parent.level) * 8 + plane.face));
+    Octave own_side = settled(parent, sizes[i], words.x);
+    side[i] = own_side.side;
+    level[i] = own_side.level;
+    if (i == 0) {
+      row = floor(along / side[0]);
+      crosswise = aside - (along - (row + 0.5) * side[0]) * (q_uv / q_long);
+    }
   }
+
+  float place_u = floor(crosswise / side[1]);
+  float place_v = row;
+  int level_u = level[1];
+  int level_v = level[0];
+  if (along_u) {
+    place_v = place_u;
+    place_u = row;
+    level_v = level_u;
+    level_u = level[0];
+  }
+  Cell cell;
+  cell.area = side[0] * side[1] / facing;
+  float column = COLUMN * max(side[0], side[1]);
   int kind = (level_u * 256 + level_v) * 8 + plane.face;
   cell.key = pcg4d(lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
                    lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);
