@@ -116,6 +116,11 @@ PRESENT: dict[str, Text] = {
 UNLIT_PARTS: dict[str, Text] = {"sparkles": no_sparkles}
 
 
+# The deviates of pixels: what the choice of the anchor costs.
+PIXEL_ANCHOR = "the paint with Anchor pixel"
+on_pixels = replace("layer.anchor = given.anchor;", "layer.anchor = ANCHOR_PIXEL;")
+
+
 def everything(text: str) -> str:
     for edit in PARTS.values():
         text = edit(text)
@@ -135,12 +140,12 @@ def stage_of(name: str) -> Stage:
     return Stage((), sky=1) if is_unlit(name) else Stage([scenes.SUN])
 
 
-def painted(edit: Text) -> bpy.types.Material:
-    """A paint whose shader has the edited text."""
+def painted(edit: Text, paint: Paint | None = None) -> bpy.types.Material:
+    """The paint, or the one that ships, whose shader has the edited text."""
     whole = shader.source
     shader.source = lambda: edit(whole())
     try:
-        return material.create(Paint())
+        return material.create(paint or Paint())
     finally:
         shader.source = whole
 
@@ -148,7 +153,7 @@ def painted(edit: Text) -> bpy.types.Material:
 def show(name: str) -> None:
     """Renders one sample of the variant, after which OSL prints its statistics."""
     stage = stage_of(name)
-    stage.add(name, [painted(cuts()[name])], 8)
+    stage.add(name, [painted({**cuts(), PIXEL_ANCHOR: on_pixels}[name])], 8)
     stage.fit()
     stage.scene.render.use_persistent_data = False
     stage.render(name, 1)

@@ -12,6 +12,7 @@ from pictures.render_scene import say
 from verification import scenes
 
 from bench import materials
+from bench.absent_parts import PIXEL_ANCHOR, WHOLE, operations
 from bench.rows import Row, nanoseconds, ratios
 from bench.stage import Lamp, Stage
 
@@ -54,6 +55,30 @@ def samples(quick: bool) -> Iterator[Row]:
         stage.add("Voronoi flakes without OSL", [cells], size, osl=False)
         stage.fit()
         yield from compare(light, stage.race(samples_taken, repetitions))
+    say("  anchors")
+    yield from anchors(size, samples_taken, repetitions)
+
+
+OF_PIXEL = 1.1  # the surface anchor's samples and operations, at most
+OF_COUNTS = 2.0  # a close-up's samples
+CLOSE = 1e-3  # m, the width of a picture whose pixels are smaller than flakes
+
+
+def anchors(size: int, samples_taken: int, repetitions: int) -> Iterator[Row]:
+    """Under a sun, each with the paint that ships."""
+    stage = Stage((scenes.SUN,))
+    stage.add("surface", [material.create(PAINT)], size)
+    stage.add("pixel", [material.create(dataclasses.replace(PAINT, anchor="pixel"))], size)
+    stage.add("close-up", [material.create(PAINT)], size, width=CLOSE)
+    stage.fit()
+    times = stage.race(samples_taken, repetitions)
+    for name, other, limit in (("surface", "pixel", OF_PIXEL), ("close-up", "surface", OF_COUNTS)):
+        behind = f"{nanoseconds(times[name])} / {nanoseconds(times[other])}"
+        yield Row(f"a sun: {name} over {other}", ratios(times[name], times[other]), limit,
+                  orientation=behind)  # fmt: skip
+    kept, by_pixels = operations(WHOLE), operations(PIXEL_ANCHOR)
+    yield Row("a sun: operations with Anchor surface over pixel", [kept / by_pixels], OF_PIXEL,
+              orientation=f"{kept} / {by_pixels}")  # fmt: skip
 
 
 def compare(light: Light, times: dict[str, list[float]]) -> Iterator[Row]:
