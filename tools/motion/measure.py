@@ -21,7 +21,7 @@ from mathutils import Matrix, Vector  # noqa: E402
 from pictures import render_scene  # noqa: E402
 from pictures.render_scene import say  # noqa: E402
 
-from motion import layer  # noqa: E402
+from motion import law_of_pixels, layer  # noqa: E402
 from motion.rows import MATERIALS, MEASURED, Row  # noqa: E402
 from motion.scenes import (  # noqa: E402
     BEHIND_CAMERA,
@@ -311,14 +311,24 @@ def panorama(effort: Effort) -> Iterator[Row]:
         say(f"  {name}")
         stage.put_on(name)
         a, b = (stage.shoot(SAMPLES, seed) - mean for seed in (1, 2))
-        # The filter of 1.5 pixels gives them no sample in common: a cell that both show is too
-        # wide.
+        # Cycles' filter is 3 pixels wide, and all but nothing from 2 on: a cell that both show is
+        # too wide.
         across, down = (layer.autocorrelation(*pair, 2)[1] for pair in ((a, b), (a.T, b.T)))
         apart[name] = float(max(across, down))
     yield Row("correlation of pixels two apart", apart, 0.1, "at most")
 
 
-MEASURES = dict(zip(MEASURED, (turntable, dolly, pan, sun, blur, panorama), strict=True))
+# ---- Mean and variance of pixels that stand still ----
+
+
+def law(effort: Effort) -> Iterator[Row]:
+    """The first Blender has all presets."""
+    whole = effort is FULL and bpy.app.version < (5,)
+    names = law_of_pixels.PRESETS if whole else law_of_pixels.PRESETS[:1]
+    yield from law_of_pixels.law(2 * effort.size // 3, names)
+
+
+MEASURES = dict(zip(MEASURED, (turntable, dolly, pan, sun, blur, panorama, law), strict=True))
 
 
 def main() -> None:

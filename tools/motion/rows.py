@@ -10,7 +10,7 @@ from common import bars
 
 MATERIALS = ("pixel", "Voronoi", "surface")  # the paint by its anchor, and flakes made of nodes
 FILMED = ("turntable", "dolly", "pan", "sun")
-MEASURED = (*FILMED, "blur", "panorama")
+MEASURED = (*FILMED, "blur", "panorama", "law")
 FILM = "motion.webp"
 
 

@@ -2,7 +2,7 @@
 """Films sparkles in motion and measures whether they ride on the paint.
 
 Turntable, dolly, pan, a moving sun, motion blur and a panorama, with both anchors and beside flakes
-made of nodes.
+made of nodes; and the mean and variance of pixels that stand still.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ABOUT = """\
 Three materials side by side: the paint with its sparkles anchored to the pixels of the picture, as
 the paper has them; anchored to the surface; and flakes made of nodes, as many and as tilted: the
 cells of a Voronoi texture turn the normal of a glossy metal. All under one sun of half a degree,
-through Cycles' Blackman-Harris filter of 1.5 pixels.
+through Cycles' Blackman-Harris filter with the width of 1.5 pixels (it is three pixels wide).
 
 The **sparkle layer** is the picture less the paint with Sparkle Contrast 0 (of the Voronoi flakes,
 less the smooth surface nearest to the picture). Frames are rendered with other random samples each.
@@ -58,6 +58,11 @@ CAPTIONS = {
     "direction turns by a quarter of the cone in a frame.",
     "blur": "The object or the camera moves by eight pixels while the shutter is open. From two "
     "renders each, so that the samples' noise drops out.",
+    "law": "Planes under a sun, orthographic, four presets (in Blender 5 one): the mean and the "
+    "variance of pixels over footprints of 0.01 to a million flakes, slants to 50 to 1 and three "
+    "turns of the view against the cells' lattice; 64 samples, fewer and more pixels where flakes "
+    "are rarer than pixels. The variance is that of point flakes through the same filter; where a "
+    "cell has fewer than 64 flake areas, of discs that hide each other from the observer.",
     "panorama": "An equirectangular camera near a plane. The pixel anchor shows a mosaic there: a "
     "panorama's raster is another one than the shader's.",
 }

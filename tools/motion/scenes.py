@@ -118,6 +118,9 @@ class Stage:
         else:
             changed = {"sparkle_contrast": 0} if name == MEAN else {"anchor": name}
             made = material.create(dataclasses.replace(self.paint, **changed))
+        self.wear(made)
+
+    def wear(self, made: bpy.types.Material) -> None:
         material.assign(self.thing, made)
         lights.fill(self.scene)
 
