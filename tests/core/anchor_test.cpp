@@ -330,6 +330,32 @@ TEST(Anchor, ACellHasTheAreaThatASurfaceCutsOutOfIt) {
   }
 }
 
+TEST(Anchor, CellsTurnWithTheViewAndKeepTheirFlakes) {
+  // An observer walks round a slanted plane by a quarter of its footprints' width over their
+  // length. So a cell's ends move by an eighth of its width, twice that where it is longest for its
+  // footprint: if all of it moved as far, a quarter would change hands.
+  Random random(run_seed() + 6);
+  constexpr int kPoints = 40'000;
+  for (const double aspect : {5.0, 20.0, 50.0}) {
+    int kept = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const double azimuth = random.uniform(0, 2 * kPi), footprint = random.log_uniform(1e-9, 1e-7);
+      const Vec3<double> where{random.uniform(-1, 1), random.uniform(-1, 1), 0};
+      const auto key_from = [&](double angle) {
+        Frame plane;
+        plane.n = {0, 0, 1};
+        plane.a = {std::cos(angle), std::sin(angle), 0};
+        SurfacePoint<double> point = on_plane(plane, 1 / aspect, footprint);
+        point.own.position = where;
+        return find_cell(point, 0.2, 0.0, HashWords{9, 10, 11, 12}).key;
+      };
+      kept += alike(key_from(azimuth), key_from(azimuth + 0.25 / aspect));
+    }
+    EXPECT_GT(kept, 0.75 * kPoints) << "aspect " << aspect;
+    EXPECT_LT(kept, kPoints);
+  }
+}
+
 TEST(Anchor, AUniformPlaneShowsNoLattice) {
   Random random(run_seed() + 5);
   constexpr int kSize = 64, kSamples = 8, kPlanes = 12;
