@@ -10,32 +10,12 @@ from collections.abc import Callable, Sequence
 
 import bpy
 import numpy as np
+from bench.shared import Sockets, link_sockets
 from mathutils import Vector
 from metallic_paint import verify
-from metallic_paint.paint import PARAMETERS, Paint, shader_value, value_of
 from verification import scenes
 
-Sockets = dict[str, float | tuple[float, ...]]  # values by label
-LINKED = {name: each for name, each in PARAMETERS.items() if name != "seed"}  # floats have 24 bits
 RADIUS = 0.45  # metres; the spheres stand a metre apart
-
-
-def sockets_of(paint: Paint) -> Sockets:
-    """The values of all sockets but Seed, which stays that of the default paint."""
-    return {each.label: shader_value(each, value_of(paint, name)) for name, each in LINKED.items()}
-
-
-def link_to_property(socket: bpy.types.NodeSocket, name: str) -> None:
-    """The socket has, on each object, the value of the object's property."""
-    tree = socket.id_data
-    attribute = tree.nodes.new("ShaderNodeAttribute")
-    attribute.attribute_type, attribute.attribute_name = "OBJECT", name
-    value = attribute.outputs["Vector"]
-    if socket.type not in ("RGBA", "VECTOR"):  # Fac is the mean of three, off by its rounding
-        apart = tree.nodes.new("ShaderNodeSeparateXYZ")
-        tree.links.new(value, apart.inputs[0])
-        value = apart.outputs["X"]
-    tree.links.new(value, socket)
 
 
 class ManyPaints:
@@ -51,7 +31,7 @@ class ManyPaints:
         item = scenes.build(scene, spec, size * side)
         self.lamp = next(each for each in scene.objects if each.type == "LIGHT")
         self.probe = verify.Probe(scene, [item.active_material])
-        self._link_sockets()
+        link_sockets(self.probe.nodes[0])
         right, up, _ = scene.camera.matrix_basis.to_3x3().transposed()
         places = []
         for i, values in enumerate(paints):
@@ -78,7 +58,3 @@ class ManyPaints:
             nearest[away < least] = i
             least = np.minimum(least, away)
         return nearest
-
-    def _link_sockets(self) -> None:
-        for parameter in LINKED.values():
-            link_to_property(self.probe.nodes[0].inputs[parameter.label], parameter.label)

@@ -7,15 +7,16 @@ import json
 import subprocess
 from pathlib import Path
 
+import bpy
 import pytest
-from bench import materials
+from bench import materials, shared
 from bench.growth import mean_count_per_area
 from bench.paints import of_flakes
 from bench.stage import Stage
 from common import bars
 from common.processes import ROOT
 from common.report_folder import BENCH, REPORT
-from metallic_paint.paint import Paint, material
+from metallic_paint.paint import Paint, material, presets
 from verification import scenes
 
 SECONDS = 1800  # a quick run that takes longer hangs
@@ -38,6 +39,19 @@ def test_every_contender_shows_the_sun() -> None:
     assert all(mean > 0.01 for mean in means.values()), means
     # The same material, by another way to compute it.
     assert means["Principled without OSL"] == pytest.approx(means["Principled"], rel=1e-3)
+
+
+def test_one_material_shows_each_object_its_own_paint() -> None:
+    stage = Stage([scenes.SUN])
+    made = shared.linked_paint()
+    for name in ("candy-red", "lime"):
+        stage.add(name, [made], 16)
+        shared.give(bpy.data.objects[name], shared.sockets_of(presets.load(name)))
+    stage.fit()
+    red, green, _ = stage.picture("candy-red", 16).mean(axis=(0, 1))
+    assert red > green > 0
+    red, green, _ = stage.picture("lime", 16).mean(axis=(0, 1))
+    assert green > red > 0
 
 
 def test_more_flakes_of_the_same_coverage_sparkle_as_many_times() -> None:

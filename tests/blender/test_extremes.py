@@ -14,7 +14,8 @@ import bpy
 import numpy as np
 import pytest
 import seeds
-from many_paints import ManyPaints, sockets_of
+from bench.shared import sockets_of
+from many_paints import ManyPaints
 from metallic_paint import verify
 from metallic_paint.native import core_lights
 from metallic_paint.paint import (

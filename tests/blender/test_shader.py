@@ -8,7 +8,8 @@ import dataclasses
 import bpy
 import numpy as np
 import pytest
-from many_paints import LINKED, ManyPaints, link_to_property, sockets_of
+from bench.shared import LINKED, link_to_property, sockets_of
+from many_paints import ManyPaints
 from metallic_paint import verify
 from metallic_paint.paint import Paint, Parameter, material
 from verification import scenes

@@ -22,7 +22,7 @@ from metallic_paint.paint import material, presets  # noqa: E402
 from pictures import render_scene  # noqa: E402
 from verification import scenes  # noqa: E402
 
-from bench import materials  # noqa: E402
+from bench import materials, shared  # noqa: E402
 from bench.paints import of_flakes, varied  # noqa: E402
 from bench.stage import Stage  # noqa: E402
 
@@ -37,6 +37,8 @@ def make(contender: str, count: int) -> list[bpy.types.Material]:
         for i, each in enumerate(made):
             each.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value += STEP * i
         return made
+    if contender == "shared":
+        return [shared.linked_paint()]
     if contender == "presets":
         paints = [presets.load(name) for name in presets.names()[:count]]
     elif contender == "varied":
@@ -46,8 +48,24 @@ def make(contender: str, count: int) -> list[bpy.types.Material]:
     return [material.create(paint) for paint in paints]
 
 
-def step_slider(made: bpy.types.Material) -> None:
-    if material.has_paint(made):
+def stand(stage: Stage, contender: str, made: list[bpy.types.Material], count: int) -> None:
+    """The materials on one object; or one on as many objects, each with a preset of its own."""
+    stage.add("all", made, SIZE)
+    if contender == "shared":
+        names = presets.names()[:count]
+        things = [bpy.data.objects["all"]]
+        for name in names[1:]:
+            stage.add(name, made, SIZE)
+            things.append(bpy.data.objects[name])
+        for thing, name in zip(things, names, strict=True):
+            shared.give(thing, shared.sockets_of(presets.load(name)))
+
+
+def step_slider(contender: str, made: bpy.types.Material) -> None:
+    if contender == "shared":
+        thing = bpy.data.objects["all"]
+        shared.give(thing, {"Tilt": thing["Tilt"] + STEP})
+    elif material.has_paint(made):
         material.paint_node(made).inputs["Tilt"].default_value += STEP
     else:
         made.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value += STEP
@@ -58,7 +76,7 @@ def wait(contender: str, count: int, steps: int) -> dict[str, float]:
     start = time.process_time()
     made = make(contender, count)
     waits = {"made": time.process_time() - start}
-    stage.add("all", made, SIZE)
+    stand(stage, contender, made, count)
     stage.fit()
     [sun] = stage.lamps
     waits["first"] = stage.render("all", 1)
@@ -67,7 +85,7 @@ def wait(contender: str, count: int, steps: int) -> dict[str, float]:
         return waits
     sliders, moves, frames = [], [], []
     for _ in range(steps):
-        step_slider(made[0])
+        step_slider(contender, made[0])
         sliders.append(stage.render("all", 1))
     for _ in range(steps):
         sun.rotation_euler.x += STEP
@@ -89,9 +107,9 @@ def wait(contender: str, count: int, steps: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "contender", help="principled, varied, presets, or a number of flakes per m²"
+        "contender", help="principled, varied, presets, shared, or a number of flakes per m²"
     )
-    parser.add_argument("--count", type=int, default=1, help="materials")
+    parser.add_argument("--count", type=int, default=1, help="paints or materials")
     parser.add_argument("--steps", type=int, default=0, help="of sliders and lamps")
     parser.add_argument("--json", type=Path, required=True)
     arguments = parser.parse_args()

@@ -489,7 +489,10 @@ def _add_new_in_every_frame(
     current_frame: bpy.types.NodeSocket,
     inside: bpy.types.Node,
 ) -> None:
-    """The carrier's frame times 1 or 0: for 0 Blender leaves it out of the shader."""
+    """The carrier's frame times 1 or 0: for 0 Blender leaves it out of the shader.
+
+    Fac is the mean of three equal numbers, which is exact for Blender's frames.
+    """
     socket = group.interface.new_socket(
         NEW_IN_EVERY_FRAME, in_out="INPUT", socket_type="NodeSocketBool", parent=panel,
         description="Every frame draws the flakes anew, like film grain; Blender compiles nothing "
