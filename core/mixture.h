@@ -259,16 +259,22 @@ LayerShares<T> layer_shares(T mirror, T loss) {
   return {mirror * q / whole, 2 * h / (n * whole), (dimmed * dimmed / n + loss * q) / whole};
 }
 
-// What the flakes of all species do to the three kinds of light: S and K, per colour.
+// What the flakes of all species do to diffuse light, c and o: S and K, per colour. The view has no
+// part in it.
+template <class T>
+struct DiffuseRates {
+  T coverage{}, cos_sum{};  // D H <S>; times <cos beta>
+  T turn_sum{};             // coverage times the square of a typical tilt
+  Rgb<T> cone_mirror{}, cone_loss{};
+  Rgb<T> trapped_mirror{}, trapped_loss{};
+};
+
+// Likewise to light about the view, g.
 template <class T>
 struct FlakeRates {
-  T coverage{}, cos_sum{};                  // D H <S>; times <cos beta>
-  T turn_sum{};                             // coverage times the square of a typical tilt
-  Rgb<T> escaping{}, inside{}, outside{};   // g: S by what becomes of it at the surface
-  Rgb<T> loss{};                            // g: K
-  Rgb<T> cone_mirror{}, cone_loss{};        // c
-  Rgb<T> trapped_mirror{}, trapped_loss{};  // o
-  Rgb<T> single{};                          // E/(1 - r_s)
+  Rgb<T> escaping{}, inside{}, outside{};  // S by what becomes of it at the surface
+  Rgb<T> loss{};                           // K
+  Rgb<T> single{};                         // E/(1 - r_s)
 };
 
 template <class T>
@@ -307,7 +313,7 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
   return sum / static_cast<T>(sides);
 }
 
-// One species more. Over Lambertian light in the cone the mean of <s>/cos is taken for <cos beta>:
+// One species. Over Lambertian light in the cone the mean of <s>/cos is taken for <cos beta>:
 // it is within 0.05 of that. Over all directions it is 1 (Cauchy), which leaves the rest for o. r_p
 // and t_p are taken at one typical angle for each kind of light: at the view's for g, at the middle
 // of the cosines for c and o. Largest error of r_p and, in brackets, that of 95 % (2000 cases,
@@ -318,38 +324,53 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
 //   pearls on mica    0.08 (0.03)    0.06 (0.04)    0.2 (0.13)
 //   pearls on silica  0.3 (0.2)      0.3 (0.2)      0.5 (0.3)
 template <class T>
-void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& flakes,
-                const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
+DiffuseRates<T> diffuse_rates(const Flakes<T>& flakes, const DiffuseSurface<T>& surface) {
   const T coverage = flakes.coverage;
-  const OrientationDensity<T>& orientation = flakes.orientation;
   const Coating<T>& coating = flakes.coating;
-  const T area = mean_projected_area(orientation, cos_in);
-  const Mirroring<T> mirrored = mirror_out(orientation, surface, cos_in, layer.eta);
-  const T cone_area = orientation.mean_cos;
+  const T cone_area = flakes.orientation.mean_cos;
   T trapped_area = 0;
   if (surface.cone < 1) trapped_area = (1 - surface.cone * cone_area) / (1 - surface.cone);
-  const T flux = coverage / cos_in;
   const T cone_flux = coverage * cone_area;
   const T trapped_flux = coverage * trapped_area;
   const T cone_cosine = (1 + surface.critical) / 2, trapped_cosine = surface.critical / 2;
-  const Rgb<T> r = coating_reflectance(coating, cos_in);
   const Rgb<T> r_cone = coating_reflectance(coating, cone_cosine);
   const Rgb<T> r_trapped = coating_reflectance(coating, trapped_cosine);
-  const Rgb<T> t = coating_transmittance(coating, cos_in);
   const Rgb<T> t_cone = coating_transmittance(coating, cone_cosine);
   const Rgb<T> t_trapped = coating_transmittance(coating, trapped_cosine);
-  rates.coverage = rates.coverage + coverage;
-  rates.cos_sum = rates.cos_sum + coverage * cone_area;
-  const T body = orientation.kind == Orientation::ggx ? T(0.5) : T(1);
-  rates.turn_sum = rates.turn_sum + coverage * (1 - cone_area) * body;
+  const T body = flakes.orientation.kind == Orientation::ggx ? T(0.5) : T(1);
+  return {.coverage = coverage,
+          .cos_sum = coverage * cone_area,
+          .turn_sum = coverage * (1 - cone_area) * body,
+          .cone_mirror = r_cone * cone_flux,
+          .cone_loss = lost_colour(r_cone, t_cone) * cone_flux,
+          .trapped_mirror = r_trapped * trapped_flux,
+          .trapped_loss = lost_colour(r_trapped, t_trapped) * trapped_flux};
+}
+
+template <class T>
+void add_diffuse(DiffuseRates<T>& rates, const DiffuseRates<T>& more) {
+  rates.coverage = rates.coverage + more.coverage;
+  rates.cos_sum = rates.cos_sum + more.cos_sum;
+  rates.turn_sum = rates.turn_sum + more.turn_sum;
+  rates.cone_mirror = rates.cone_mirror + more.cone_mirror;
+  rates.cone_loss = rates.cone_loss + more.cone_loss;
+  rates.trapped_mirror = rates.trapped_mirror + more.trapped_mirror;
+  rates.trapped_loss = rates.trapped_loss + more.trapped_loss;
+}
+
+template <class T>
+void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& flakes,
+                const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
+  const Coating<T>& coating = flakes.coating;
+  const T area = mean_projected_area(flakes.orientation, cos_in);
+  const Mirroring<T> mirrored = mirror_out(flakes.orientation, surface, cos_in, layer.eta);
+  const T flux = flakes.coverage / cos_in;
+  const Rgb<T> r = coating_reflectance(coating, cos_in);
+  const Rgb<T> t = coating_transmittance(coating, cos_in);
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, T(0)));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.cone_mirror = rates.cone_mirror + r_cone * cone_flux;
-  rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
-  rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
-  rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
   rates.single =
       rates.single + mean_single(layer, coating, mirrored, slant_view) * (flux * mirrored.escaping);
 }
@@ -359,6 +380,75 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
 // to 20, and at most 3 % more at 10 and 30 (docs/fits.md).
 inline constexpr double kForgetting = 20;
 
+// Of all flakes.
+template <class T>
+T mean_cosine(const DiffuseRates<T>& diffuse_light) {
+  return diffuse_light.coverage > 0 ? min(diffuse_light.cos_sum / diffuse_light.coverage, T(1))
+                                    : T(1);
+}
+
+// What escapes of Lambertian light; and of the pigment's, which lies in the cone by flux where
+// there is much of it, by solid angle where there is little. The mean of both, so it is off by half
+// of what they differ: 0.1 at most.
+template <class T>
+T lambertian_escape(const DiffuseSurface<T>& surface) {
+  return surface.cone * surface.transmittance;
+}
+template <class T>
+T pigment_escape(const DiffuseSurface<T>& surface) {
+  return (lambertian_escape(surface) + (1 - surface.critical) * surface.transmittance) / 2;
+}
+
+// What becomes of diffuse light in one colour.
+template <class T>
+struct DiffuseShares {
+  T trapped_out, trapped_down;  // of o: what leaves the layer upwards, and downwards
+  T below;                      // of what the substrate scatters: what leaves in the end
+};
+
+template <class T>
+DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>::* c,
+                                 const DiffuseSurface<T>& surface, T absorption, T rayleigh,
+                                 T substrate) {
+  // The mean of 1/cosine of Lambertian light: in the cone 2/(1 + critical), outside 2/critical.
+  const T pigment_back = rayleigh / 2;
+  const T cone_path = 2 / (1 + surface.critical);
+  T trapped_path = 0;
+  if (surface.critical > 0) trapped_path = 2 / surface.critical;
+  const T trapped_mirror = diffuse_light.trapped_mirror.*c + pigment_back * trapped_path;
+  const LayerShares<T> cone = layer_shares(diffuse_light.cone_mirror.*c + pigment_back * cone_path,
+                                           diffuse_light.cone_loss.*c + absorption * cone_path);
+  const LayerShares<T> trapped =
+      layer_shares(trapped_mirror, diffuse_light.trapped_loss.*c + absorption * trapped_path);
+
+  // o escapes where a flake turns it: of what Lambertian light does, the share a z/(1 + b z^2) with
+  // a = b = 2, z = sin(beta) of a typical flake. That is within 0.25 of the averages over the
+  // normals, 0.09 in root mean square. Fitted to these, a = 1.9 and b = 1.2 are within 0.19 and
+  // 0.08, but err more in M (docs/fits.md).
+  const T mean_cos = mean_cosine(diffuse_light);
+  const T z2 = (1 - mean_cos) * (1 + mean_cos);
+  T turned = lambertian_escape(surface) * 2 * sqrt(z2) / (1 + 2 * z2);
+  if (pigment_back > 0 && trapped_mirror > 0) {
+    turned = turned +
+             (pigment_escape(surface) - turned) * (pigment_back * trapped_path / trapped_mirror);
+  }
+  // The series of o between surface and layer.
+  const T trapped_exits = trapped.passed + trapped.lost + turned * trapped.mirrored;
+  const T trapped_out = trapped.mirrored * turned / trapped_exits;
+  const T trapped_down = trapped.passed / trapped_exits;
+  const T trapped_rest = (trapped.lost + trapped.mirrored * turned) / trapped_exits;
+
+  // The substrate's light leaves, comes back from the surface as o, or from the layer.
+  const T beyond = 1 - surface.cone;
+  const T leaving = surface.cone * cone.passed * surface.transmittance;
+  const T returned =
+      surface.cone * cone.passed * (1 - surface.transmittance) + beyond * trapped.passed;
+  const T not_back =
+      surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
+  const T below = (leaving + returned * trapped_out) / ((1 - substrate) + substrate * not_back);
+  return {trapped_out, trapped_down, below};
+}
+
 // M/(1 - r_s) in one colour, and the part of it in the glossy lobe.
 template <class T>
 struct MixtureShares {
@@ -366,46 +456,17 @@ struct MixtureShares {
 };
 
 template <class T>
-MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
+MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates<T>& diffuse_light,
+                                 const DiffuseShares<T>& diffused, T Rgb<T>::* c,
                                  const DiffuseSurface<T>& surface, T absorption, T rayleigh,
                                  T substrate, T cos_in) {
-  // The mean of 1/cosine of Lambertian light: in the cone 2/(1 + critical), outside 2/critical.
   const T pigment_back = rayleigh / 2;
-  const T cone_path = 2 / (1 + surface.critical);
-  T trapped_path = 0;
-  if (surface.critical > 0) trapped_path = 2 / surface.critical;
   const T flake_mirror = flakes.escaping.*c + flakes.inside.*c + flakes.outside.*c;
   const T mirror = flake_mirror + pigment_back / cos_in;
   const T loss = flakes.loss.*c + absorption / cos_in;
-  const T trapped_mirror = flakes.trapped_mirror.*c + pigment_back * trapped_path;
   const LayerShares<T> about = layer_shares(mirror, loss);
-  const LayerShares<T> cone = layer_shares(flakes.cone_mirror.*c + pigment_back * cone_path,
-                                           flakes.cone_loss.*c + absorption * cone_path);
-  const LayerShares<T> trapped =
-      layer_shares(trapped_mirror, flakes.trapped_loss.*c + absorption * trapped_path);
-
-  // What escapes of Lambertian light; and of the pigment's, which lies in the cone by flux where
-  // there is much of it, by solid angle where there is little. The mean of both, so it is off by
-  // half of what they differ: 0.1 at most.
-  const T lambertian = surface.cone * surface.transmittance;
-  const T from_pigment = (lambertian + (1 - surface.critical) * surface.transmittance) / 2;
-
-  // o escapes where a flake turns it: of what Lambertian light does, the share a z/(1 + b z^2) with
-  // a = b = 2, z = sin(beta) of a typical flake. That is within 0.25 of the averages over the
-  // normals, 0.09 in root mean square. Fitted to these, a = 1.9 and b = 1.2 are within 0.19 and
-  // 0.08, but err more in M (docs/fits.md).
-  T mean_cos = 1;
-  if (flakes.coverage > 0) mean_cos = min(flakes.cos_sum / flakes.coverage, T(1));
-  const T z2 = (1 - mean_cos) * (1 + mean_cos);
-  T turned = lambertian * 2 * sqrt(z2) / (1 + 2 * z2);
-  if (pigment_back > 0 && trapped_mirror > 0) {
-    turned = turned + (from_pigment - turned) * (pigment_back * trapped_path / trapped_mirror);
-  }
-  // The series of o between surface and layer.
-  const T trapped_exits = trapped.passed + trapped.lost + turned * trapped.mirrored;
-  const T trapped_out = trapped.mirrored * turned / trapped_exits;
-  const T trapped_down = trapped.passed / trapped_exits;
-  const T trapped_rest = (trapped.lost + trapped.mirrored * turned) / trapped_exits;
+  const T lambertian = lambertian_escape(surface);
+  const T from_pigment = pigment_escape(surface);
 
   // Of g mirrored by the layer: what escapes, stays in the cone, joins o.
   T escape = 0;
@@ -419,12 +480,12 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
   if (about.mirrored > 0) {
     // Mirrored more than once, it nears the shares of Lambertian light.
     const T once = min(mirror * mean_transmittance(2 * (mirror + loss)) / about.mirrored, T(1));
-    const T turns = T(kForgetting) * (1 - mean_cos);
+    const T turns = T(kForgetting) * (1 - mean_cosine(diffuse_light));
     const T forgotten = turns / (1 + turns) * (1 - once);
     escape = escape + (lambertian - escape) * forgotten;
     inside = inside - inside * forgotten;
     outside = outside + ((1 - lambertian) - outside) * forgotten;
-    unpigmented = escape + outside * trapped_out;
+    unpigmented = escape + outside * diffused.trapped_out;
     if (pigment_back > 0) {
       // What no pigment has touched is what comes back if pigment only absorbs.
       const T pure = layer_shares(flake_mirror, loss + rayleigh / cos_in).mirrored;
@@ -437,18 +498,10 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, T Rgb<T>::* c,
   }
   // The series of g between surface and layer.
   const T exits = about.passed + about.lost + about.mirrored * (escape + outside);
-  const T upwards = about.mirrored * (escape + outside * trapped_out) / exits;
-  const T down = (about.passed + about.mirrored * outside * trapped_down) / exits;
+  const T upwards = about.mirrored * (escape + outside * diffused.trapped_out) / exits;
+  const T down = (about.passed + about.mirrored * outside * diffused.trapped_down) / exits;
 
-  // The substrate's light leaves, comes back from the surface as o, or from the layer.
-  const T beyond = 1 - surface.cone;
-  const T leaving = surface.cone * cone.passed * surface.transmittance;
-  const T returned =
-      surface.cone * cone.passed * (1 - surface.transmittance) + beyond * trapped.passed;
-  const T not_back =
-      surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
-  const T below = (leaving + returned * trapped_out) / ((1 - substrate) + substrate * not_back);
-  const T albedo = upwards + substrate * down * below;
+  const T albedo = upwards + substrate * down * diffused.below;
 
   // Nothing to clamp in a lossless paint, whose albedo is 1. In others E's own estimate exceeds a
   // dark albedo by 0.04 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
@@ -467,11 +520,12 @@ inline constexpr double kStretch = 0.39;
 // At least as wide as the sun: a mirrored lamp without size would be a speck that samples miss.
 inline constexpr double kLeastRoughness = 0.005;
 template <class T>
-T glossy_roughness(const FlakeRates<T>& flakes, T eta, T cos_view) {
-  if (!(flakes.coverage > 0)) return 1;
-  const T mirrorings = 2 + flakes.coverage / (1 + flakes.coverage);
+T glossy_roughness(const DiffuseRates<T>& diffuse_light, T eta, T cos_view) {
+  if (!(diffuse_light.coverage > 0)) return 1;
+  const T mirrorings = 2 + diffuse_light.coverage / (1 + diffuse_light.coverage);
   const T stretch = T(kStretch) * eta * (4 - cos_view);
-  const T square = flakes.turn_sum / flakes.coverage * mirrorings * (stretch * stretch);
+  const T square =
+      diffuse_light.turn_sum / diffuse_light.coverage * mirrorings * (stretch * stretch);
   return max(sqrt(square / (1 + square)), T(kLeastRoughness));
 }
 
@@ -491,9 +545,11 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   const T cos_in = clamp(g / eta, T(kLeastCosine), T(1));
   const DiffuseSurface<T> surface = diffuse_surface(eta);
   const Rgb<T> slant_view = slant_depth_of(layer, cos_in);
+  DiffuseRates<T> diffuse_light;
   FlakeRates<T> rates;
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    add_diffuse(diffuse_light, diffuse_rates(flakes, surface));
     if (flakes.coverage > 0) add_flakes(rates, layer, flakes, surface, cos_in, slant_view);
   }
   const T entered = fresnel_transmittance(cos_view, g, eta);
@@ -501,15 +557,17 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   Mixture<T> sum;
   const auto channel = [&](T Rgb<T>::* c) {
     const T absorption = max(layer.binder_depth.*c - rayleigh, T(0));
-    const MixtureShares<T> shares =
-        mixture_channel(rates, c, surface, absorption, rayleigh, substrate.*c, cos_in);
+    const DiffuseShares<T> diffused =
+        diffuse_channel(diffuse_light, c, surface, absorption, rayleigh, substrate.*c);
+    const MixtureShares<T> shares = mixture_channel(rates, diffuse_light, diffused, c, surface,
+                                                    absorption, rayleigh, substrate.*c, cos_in);
     sum.diffuse.*c = entered * (shares.whole - shares.glossy);
     sum.glossy.*c = entered * shares.glossy;
   };
   channel(&Rgb<T>::x);
   channel(&Rgb<T>::y);
   channel(&Rgb<T>::z);
-  sum.alpha = glossy_roughness(rates, eta, cos_view);
+  sum.alpha = glossy_roughness(diffuse_light, eta, cos_view);
   return sum;
 }
 

@@ -11,16 +11,19 @@ float inner_product(vector a, vector b)
   return product[0] + product[1] + product[2];
 }
 
+// No `return` before the end of what OSL is to fold.
 float exponential(float x)
 {
-  if (x < -87.0)
-    return 0.0;
-  float y = min(x, 87.0);
-  float k = floor(y * 1.44269504 + 0.5);
-  float r = (y - k * 0.693145752) - k * 1.42860677e-6;
-  float e_r = 1.0 + r * (1.0 + r * (0.499999911 + r * (0.166664198 + r * (0.0416682251 +
-              r * (0.00837482233 + r * 0.00138368341)))));
-  return e_r * exp2(k);
+  float power = 0.0;
+  if (!(x < -87.0)) {
+    float y = min(x, 87.0);
+    float k = floor(y * 1.44269504 + 0.5);
+    float r = (y - k * 0.693145752) - k * 1.42860677e-6;
+    float e_r = 1.0 + r * (1.0 + r * (0.499999911 + r * (0.166664198 + r * (0.0416682251 +
+                r * (0.00837482233 + r * 0.00138368341)))));
+    power = e_r * exp2(k);
+  }
+  return power;
 }
 
 float logarithm(float x)
@@ -68,10 +71,13 @@ float squared_angle(float y)
 
 float mean_transmittance(float x)
 {
+  float mean = 1.0;
   if (x < 1.0)
-    return 1.0 + x * (-0.5 + x * (0.166666493 + x * (-0.0416653343 + x * (0.00832814351 +
+    mean = 1.0 + x * (-0.5 + x * (0.166666493 + x * (-0.0416653343 + x * (0.00832814351 +
            x * (-0.00137776637 + x * (0.000184942284 + x * -1.59309293e-5))))));
-  return (1.0 - exponential(-x)) / x;
+  else
+    mean = (1.0 - exponential(-x)) / x;
+  return mean;
 }
 
 // How many channels need computing: one of a grey. LLVM would copy a loop that it knows to run three times.

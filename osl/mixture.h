@@ -198,35 +198,31 @@ LayerShares layer_shares(float mirror, float loss)
   return shares;
 }
 
-struct FlakeRates {
+struct DiffuseRates {
   float coverage;
   float cos_sum;
   float turn_sum;
-  color escaping;
-  color inside;
-  color outside;
-  color loss;
   color cone_mirror;
   color cone_loss;
   color trapped_mirror;
   color trapped_loss;
+};
+
+struct FlakeRates {
+  color escaping;
+  color inside;
+  color outside;
+  color loss;
   color single;
 };
 
 FlakeRates no_flakes()
 {
   FlakeRates rates;
-  rates.coverage = 0.0;
-  rates.cos_sum = 0.0;
-  rates.turn_sum = 0.0;
   rates.escaping = color(0.0);
   rates.inside = color(0.0);
   rates.outside = color(0.0);
   rates.loss = color(0.0);
-  rates.cone_mirror = color(0.0);
-  rates.cone_loss = color(0.0);
-  rates.trapped_mirror = color(0.0);
-  rates.trapped_loss = color(0.0);
   rates.single = color(0.0);
   return rates;
 }
@@ -262,44 +258,133 @@ color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float li
   return sum / sides;
 }
 
-void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
-                DiffuseSurface surface, float cos_in, color slant_view)
+DiffuseRates no_diffuse_light()
 {
-  Flakes some = flakes_of(layer, flakes, species);
+  DiffuseRates rates;
+  rates.coverage = 0.0;
+  rates.cos_sum = 0.0;
+  rates.turn_sum = 0.0;
+  rates.cone_mirror = color(0.0);
+  rates.cone_loss = color(0.0);
+  rates.trapped_mirror = color(0.0);
+  rates.trapped_loss = color(0.0);
+  return rates;
+}
+
+DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
+{
   float coverage = some.coverage;
-  OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
-  float area = mean_projected_area(orientation, cos_in);
-  Mirroring mirrored = mirror_out(orientation, surface, cos_in, layer.eta);
-  float cone_area = orientation.mean_cos;
+  float cone_area = some.orientation.mean_cos;
   float trapped_area = 0.0;
   if (surface.cone < 1.0)
     trapped_area = (1.0 - surface.cone * cone_area) / (1.0 - surface.cone);
-  float flux = coverage / cos_in;
   float cone_flux = coverage * cone_area;
   float trapped_flux = coverage * trapped_area;
   float cone_cosine = (1.0 + surface.critical) / 2.0;
   float trapped_cosine = surface.critical / 2.0;
-  color r = coating_reflectance(coating, library, cos_in);
   color r_cone = coating_reflectance(coating, library, cone_cosine);
   color r_trapped = coating_reflectance(coating, library, trapped_cosine);
-  color t = coating_transmittance(coating, library, cos_in);
   color t_cone = coating_transmittance(coating, library, cone_cosine);
   color t_trapped = coating_transmittance(coating, library, trapped_cosine);
-  rates.coverage = rates.coverage + coverage;
-  rates.cos_sum = rates.cos_sum + coverage * cone_area;
-  float body = orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
-  rates.turn_sum = rates.turn_sum + coverage * (1.0 - cone_area) * body;
+  DiffuseRates rates;
+  rates.coverage = coverage;
+  rates.cos_sum = coverage * cone_area;
+  float body = some.orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
+  rates.turn_sum = coverage * (1.0 - cone_area) * body;
+  rates.cone_mirror = r_cone * cone_flux;
+  rates.cone_loss = lost_colour(r_cone, t_cone) * cone_flux;
+  rates.trapped_mirror = r_trapped * trapped_flux;
+  rates.trapped_loss = lost_colour(r_trapped, t_trapped) * trapped_flux;
+  return rates;
+}
+
+void add_diffuse(output DiffuseRates rates, DiffuseRates more)
+{
+  rates.coverage = rates.coverage + more.coverage;
+  rates.cos_sum = rates.cos_sum + more.cos_sum;
+  rates.turn_sum = rates.turn_sum + more.turn_sum;
+  rates.cone_mirror = rates.cone_mirror + more.cone_mirror;
+  rates.cone_loss = rates.cone_loss + more.cone_loss;
+  rates.trapped_mirror = rates.trapped_mirror + more.trapped_mirror;
+  rates.trapped_loss = rates.trapped_loss + more.trapped_loss;
+}
+
+void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
+                DiffuseSurface surface, float cos_in, color slant_view)
+{
+  Flakes some = flakes_of(layer, flakes, species);
+  OrientationDensity orientation = some.orientation;
+  Coating coating = some.coating;
+  float area = mean_projected_area(orientation, cos_in);
+  Mirroring mirrored = mirror_out(orientation, surface, cos_in, layer.eta);
+  float flux = some.coverage / cos_in;
+  color r = coating_reflectance(coating, library, cos_in);
+  color t = coating_transmittance(coating, library, cos_in);
   rates.escaping = rates.escaping + r * (flux * mirrored.escaping);
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.cone_mirror = rates.cone_mirror + r_cone * cone_flux;
-  rates.cone_loss = rates.cone_loss + lost_colour(r_cone, t_cone) * cone_flux;
-  rates.trapped_mirror = rates.trapped_mirror + r_trapped * trapped_flux;
-  rates.trapped_loss = rates.trapped_loss + lost_colour(r_trapped, t_trapped) * trapped_flux;
   rates.single = rates.single +
                  mean_single(layer, flakes, coating, library, mirrored, slant_view) * (flux * mirrored.escaping);
+}
+
+float mean_cosine(DiffuseRates diffuse_light)
+{
+  float mean = 1.0;
+  if (diffuse_light.coverage > 0.0)
+    mean = min(diffuse_light.cos_sum / diffuse_light.coverage, 1.0);
+  return mean;
+}
+
+float lambertian_escape(DiffuseSurface surface)
+{
+  return surface.cone * surface.transmittance;
+}
+
+float pigment_escape(DiffuseSurface surface)
+{
+  return (lambertian_escape(surface) + (1.0 - surface.critical) * surface.transmittance) / 2.0;
+}
+
+struct DiffuseShares {
+  float trapped_out;
+  float trapped_down;
+  float below;
+};
+
+DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface surface, float absorption, float rayleigh,
+                              float substrate)
+{
+  float pigment_back = rayleigh / 2.0;
+  float cone_path = 2.0 / (1.0 + surface.critical);
+  float trapped_path = 0.0;
+  if (surface.critical > 0.0)
+    trapped_path = 2.0 / surface.critical;
+  float trapped_mirror = diffuse_light.trapped_mirror[c] + pigment_back * trapped_path;
+  LayerShares cone = layer_shares(diffuse_light.cone_mirror[c] + pigment_back * cone_path,
+                                  diffuse_light.cone_loss[c] + absorption * cone_path);
+  LayerShares trapped = layer_shares(trapped_mirror, diffuse_light.trapped_loss[c] + absorption * trapped_path);
+
+  float mean_cos = mean_cosine(diffuse_light);
+  float z2 = (1.0 - mean_cos) * (1.0 + mean_cos);
+  float turned = lambertian_escape(surface) * 2.0 * sqrt(z2) / (1.0 + 2.0 * z2);
+  if (pigment_back > 0.0 && trapped_mirror > 0.0)
+    turned = turned + (pigment_escape(surface) - turned) * (pigment_back * trapped_path / trapped_mirror);
+  float trapped_exits = trapped.passed + trapped.lost + turned * trapped.mirrored;
+  float trapped_out = trapped.mirrored * turned / trapped_exits;
+  float trapped_down = trapped.passed / trapped_exits;
+  float trapped_rest = (trapped.lost + trapped.mirrored * turned) / trapped_exits;
+
+  float beyond = 1.0 - surface.cone;
+  float leaving = surface.cone * cone.passed * surface.transmittance;
+  float returned = surface.cone * cone.passed * (1.0 - surface.transmittance) + beyond * trapped.passed;
+  float not_back = surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
+  DiffuseShares shares;
+  shares.trapped_out = trapped_out;
+  shares.trapped_down = trapped_down;
+  shares.below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
+  return shares;
 }
 
 struct MixtureShares {
@@ -308,37 +393,16 @@ struct MixtureShares {
 };
 
 // In the colour channel c: 0, 1, 2.
-MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, float absorption, float rayleigh,
-                              float substrate, float cos_in)
+MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, DiffuseShares diffused, int c,
+                              DiffuseSurface surface, float absorption, float rayleigh, float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
-  float cone_path = 2.0 / (1.0 + surface.critical);
-  float trapped_path = 0.0;
-  if (surface.critical > 0.0)
-    trapped_path = 2.0 / surface.critical;
   float flake_mirror = flakes.escaping[c] + flakes.inside[c] + flakes.outside[c];
   float mirror = flake_mirror + pigment_back / cos_in;
   float loss = flakes.loss[c] + absorption / cos_in;
-  float trapped_mirror = flakes.trapped_mirror[c] + pigment_back * trapped_path;
   LayerShares about = layer_shares(mirror, loss);
-  LayerShares cone = layer_shares(flakes.cone_mirror[c] + pigment_back * cone_path,
-                                  flakes.cone_loss[c] + absorption * cone_path);
-  LayerShares trapped = layer_shares(trapped_mirror, flakes.trapped_loss[c] + absorption * trapped_path);
-
-  float lambertian = surface.cone * surface.transmittance;
-  float from_pigment = (lambertian + (1.0 - surface.critical) * surface.transmittance) / 2.0;
-
-  float mean_cos = 1.0;
-  if (flakes.coverage > 0.0)
-    mean_cos = min(flakes.cos_sum / flakes.coverage, 1.0);
-  float z2 = (1.0 - mean_cos) * (1.0 + mean_cos);
-  float turned = lambertian * 2.0 * sqrt(z2) / (1.0 + 2.0 * z2);
-  if (pigment_back > 0.0 && trapped_mirror > 0.0)
-    turned = turned + (from_pigment - turned) * (pigment_back * trapped_path / trapped_mirror);
-  float trapped_exits = trapped.passed + trapped.lost + turned * trapped.mirrored;
-  float trapped_out = trapped.mirrored * turned / trapped_exits;
-  float trapped_down = trapped.passed / trapped_exits;
-  float trapped_rest = (trapped.lost + trapped.mirrored * turned) / trapped_exits;
+  float lambertian = lambertian_escape(surface);
+  float from_pigment = pigment_escape(surface);
 
   float escape = 0.0;
   float inside = 0.0;
@@ -350,12 +414,12 @@ MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, 
   float unpigmented = 0.0;
   if (about.mirrored > 0.0) {
     float once = min(mirror * mean_transmittance(2.0 * (mirror + loss)) / about.mirrored, 1.0);
-    float turns = FORGETTING * (1.0 - mean_cos);
+    float turns = FORGETTING * (1.0 - mean_cosine(diffuse_light));
     float forgotten = turns / (1.0 + turns) * (1.0 - once);
     escape = escape + (lambertian - escape) * forgotten;
     inside = inside - inside * forgotten;
     outside = outside + ((1.0 - lambertian) - outside) * forgotten;
-    unpigmented = escape + outside * trapped_out;
+    unpigmented = escape + outside * diffused.trapped_out;
     if (pigment_back > 0.0) {
       LayerShares pure = layer_shares(flake_mirror, loss + rayleigh / cos_in);
       float touched = 1.0 - min(pure.mirrored / about.mirrored, 1.0);
@@ -366,15 +430,9 @@ MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, 
     }
   }
   float exits = about.passed + about.lost + about.mirrored * (escape + outside);
-  float upwards = about.mirrored * (escape + outside * trapped_out) / exits;
-  float down = (about.passed + about.mirrored * outside * trapped_down) / exits;
-
-  float beyond = 1.0 - surface.cone;
-  float leaving = surface.cone * cone.passed * surface.transmittance;
-  float returned = surface.cone * cone.passed * (1.0 - surface.transmittance) + beyond * trapped.passed;
-  float not_back = surface.cone * cone.lost + beyond * trapped.lost + leaving + returned * trapped_rest;
-  float below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
-  float albedo = upwards + substrate * down * below;
+  float upwards = about.mirrored * (escape + outside * diffused.trapped_out) / exits;
+  float down = (about.passed + about.mirrored * outside * diffused.trapped_down) / exits;
+  float albedo = upwards + substrate * down * diffused.below;
 
   float single = flakes.single[c];
   MixtureShares shares;
@@ -386,13 +444,13 @@ MixtureShares mixture_channel(FlakeRates flakes, int c, DiffuseSurface surface, 
 #define STRETCH 0.39
 #define LEAST_ROUGHNESS 0.005
 
-float glossy_roughness(FlakeRates flakes, float eta, float cos_view)
+float glossy_roughness(DiffuseRates diffuse_light, float eta, float cos_view)
 {
-  if (!(flakes.coverage > 0.0))
+  if (!(diffuse_light.coverage > 0.0))
     return 1.0;
-  float mirrorings = 2.0 + flakes.coverage / (1.0 + flakes.coverage);
+  float mirrorings = 2.0 + diffuse_light.coverage / (1.0 + diffuse_light.coverage);
   float stretch = STRETCH * eta * (4.0 - cos_view);
-  float square = flakes.turn_sum / flakes.coverage * mirrorings * (stretch * stretch);
+  float square = diffuse_light.turn_sum / diffuse_light.coverage * mirrorings * (stretch * stretch);
   return max(sqrt(square / (1.0 + square)), LEAST_ROUGHNESS);
 }
 
@@ -421,6 +479,15 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
     return sum;
   float cos_in = clamp(g / eta, LEAST_COSINE, 1.0);
   DiffuseSurface surface = diffuse_surface(eta);
+  // Diffuse light depends on the paint alone. Of one species OSL folds it: no loop, and what is set once.
+  DiffuseRates diffuse_light;
+  if (layer.species > 1) {
+    diffuse_light = no_diffuse_light();
+    for (int i = 0; i < layer.species; ++i)
+      add_diffuse(diffuse_light, diffuse_rates(flakes[i], library, surface));
+  }
+  else
+    diffuse_light = diffuse_rates(layer.first, library, surface);
   FlakeRates rates = no_flakes();
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, flakes, i);
@@ -429,12 +496,36 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
+  color absorption = max(layer.binder_depth - color(rayleigh), color(0.0));
+  color trapped_out;
+  color trapped_down;
+  color below;
+  if (layer.species > 1) {
+    for (int c = 0; c < 3; ++c) {
+      DiffuseShares one = diffuse_channel(diffuse_light, c, surface, absorption[c], rayleigh, substrate[c]);
+      trapped_out[c] = one.trapped_out;
+      trapped_down[c] = one.trapped_down;
+      below[c] = one.below;
+    }
+  }
+  else {
+    DiffuseShares red = diffuse_channel(diffuse_light, 0, surface, absorption[0], rayleigh, substrate[0]);
+    DiffuseShares green = diffuse_channel(diffuse_light, 1, surface, absorption[1], rayleigh, substrate[1]);
+    DiffuseShares blue = diffuse_channel(diffuse_light, 2, surface, absorption[2], rayleigh, substrate[2]);
+    trapped_out = color(red.trapped_out, green.trapped_out, blue.trapped_out);
+    trapped_down = color(red.trapped_down, green.trapped_down, blue.trapped_down);
+    below = color(red.below, green.below, blue.below);
+  }
   for (int c = 0; c < 3; ++c) {
-    float absorption = max(layer.binder_depth[c] - rayleigh, 0.0);
-    MixtureShares shares = mixture_channel(rates, c, surface, absorption, rayleigh, substrate[c], cos_in);
+    DiffuseShares diffused;
+    diffused.trapped_out = trapped_out[c];
+    diffused.trapped_down = trapped_down[c];
+    diffused.below = below[c];
+    MixtureShares shares =
+        mixture_channel(rates, diffuse_light, diffused, c, surface, absorption[c], rayleigh, substrate[c], cos_in);
     sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
     sum.glossy_albedo[c] = entered * shares.glossy;
   }
-  sum.alpha = glossy_roughness(rates, eta, cos_view);
+  sum.alpha = glossy_roughness(diffuse_light, eta, cos_view);
   return sum;
 }

@@ -23,8 +23,8 @@ HEADER = ROOT / "core" / "mixture.h"
 # What stands in core/mixture.h, and what to try in its place.
 TRIED = {
     "kForgetting = 20;": [f"kForgetting = {x};" for x in (0, 5, 10, 15, 30, 40, 80)],
-    "2 * std::sqrt(z2) / (1 + 2 * z2)": [
-        f"T({a}) * std::sqrt(z2) / (1 + T({b}) * z2)" for a, b in ((1.5, 2), (1.9, 1.2), (2.5, 2))
+    "2 * sqrt(z2) / (1 + 2 * z2)": [
+        f"T({a}) * sqrt(z2) / (1 + T({b}) * z2)" for a, b in ((1.5, 2), (1.9, 1.2), (2.5, 2))
     ],
     "kNarrowTilt = 0.25;": ["kNarrowTilt = 0;", "kNarrowTilt = 1;"],
     "kFewFlakes = 1e-3;": ["kFewFlakes = 0;", "kFewFlakes = 1e-2;"],

@@ -189,10 +189,12 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
              (1 - critical - surface.cone) * transmittance / 2);
 
   // E as the mixture estimates it.
+  DiffuseRates<double> diffuse_light;
   FlakeRates<double> rates;
   const Rgb<double> slant = slant_depth_of(layer, cos_in);
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<double>& some = layer.flakes[static_cast<std::size_t>(i)];
+    add_diffuse(diffuse_light, diffuse_rates(some, surface));
     if (some.coverage > 0) add_flakes(rates, layer, some, surface, cos_in, slant);
   }
   const double entered = 1 - surface_of(seen.paint, seen.cos_view);
@@ -206,8 +208,11 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   for (auto channel : {&Rgb<double>::x, &Rgb<double>::y, &Rgb<double>::z}) {
     const double rayleigh = layer.rayleigh_depth;
     const double absorption = std::max(layer.binder_depth.*channel - rayleigh, 0.0);
-    const double albedo =
-        mixture_channel(none, channel, surface, absorption, rayleigh, 0.0, cos_in).whole;
+    const DiffuseShares<double> diffused =
+        diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
+    const double albedo = mixture_channel(none, diffuse_light, diffused, channel, surface,
+                                          absorption, rayleigh, 0.0, cos_in)
+                              .whole;
     excess = std::max(excess, rates.single.*channel - albedo);
   }
   errors.see("E above the albedo over black, clamped", excess);

@@ -21,6 +21,7 @@ ONLY_SHADER = {
     "nothing_expected": "C++ has default values",
     "no_flake": "C++ has default values",
     "no_flakes": "C++ has default values",
+    "no_diffuse_light": "C++ has default values",
     "no_mixture": "C++ has default values",
     "mixture_rule": "C++ has constant arrays",
     "channels_of": "C++ copies no loop",

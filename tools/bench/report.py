@@ -78,6 +78,8 @@ TRIED = (
     ("loops over three channels", "LLVM copies them out: 70 exponentials where OSL keeps 30"),
     ("folding of constants alone, without fewer copies",
      "9,567 operations instead of 12,642, and the same wait: LLVM had folded them"),
+    ("OSL's own `exp`, or 2^k by shifts of whole numbers, in place of the polynomial and `exp2`",
+     "at most 2 % of the time per sample"),
     ("lights in View Layer attributes", "each frame compiles every paint anew"),
     ("drivers on each painted object instead of on one datablock",
      "95 to 105 ms a frame with 1,000 objects, instead of 60 to 70"),
