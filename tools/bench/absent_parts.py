@@ -53,7 +53,10 @@ def replace(old: str, new: str) -> Text:
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
     text = cut("  if (SecondFlakesPerMm2", "  Layer flake_layer = make_layer")(text)
-    text = cut("  if (layer.species > 1) {", "  Flakes some = flakes_of")(text)
+    many = "  if (layer.species > 1) {\n"
+    text = cut(many + "    float at", "  Flakes some = flakes_of")(text)
+    text = cut(many + "    diffuse_light", "    diffuse_light = diffuse_rates(layer")(text)
+    text = cut(many + "    for (int c", "    DiffuseShares red", "  {\n")(text)
     text = cut("  if (layer.species > 1)\n    some", "  return some;")(text)
     loop = "for (int i = 0; i < layer.species; ++i) {"
     return replace(loop, "for (int i = 0; i < 1; ++i) {")(text)
