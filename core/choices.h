@@ -47,9 +47,10 @@ enum class Diffraction { none = 0, disc = 1 };
 inline constexpr std::array kDiffractionWords{"none", "disc"};
 
 // 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
-// instead, with the same mean
-enum class DepthModel { attenuated = 0, thinned = 1 };
-inline constexpr std::array kDepthModelWords{"attenuated", "thinned"};
+// instead, with the same mean. 2 correlated: what hides a flake from the observer often hides it
+// from the light as well, so dense layers are brighter, as real ones are
+enum class DepthModel { attenuated = 0, thinned = 1, correlated = 2 };
+inline constexpr std::array kDepthModelWords{"attenuated", "thinned", "correlated"};
 
 // 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
 enum class Radiometry { exact = 0, published = 1 };
@@ -86,7 +87,8 @@ void each_choice(const Visit& visit) {
         "its own Flake Spread");
   visit("DepthModel", DepthModel{}, kDepthModelWords,
         "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
-        "out instead, with the same mean");
+        "out instead, with the same mean. 2 correlated: what hides a flake from the observer "
+        "often hides it from the light as well, so dense layers are brighter, as real ones are");
   visit("Radiometry", Radiometry{}, kRadiometryWords,
         "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter");
   visit("Composition", Composition{}, kCompositionWords,

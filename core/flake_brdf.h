@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "hot_spot.h"
 #include "layer.h"
 #include "orientation.h"
 #include "refraction.h"
@@ -23,8 +24,12 @@ Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> l
   const W eta = layer.eta;
   const Mirror<W> mirror = mirror_between(Vec3<W>(normal), Vec3<W>(view), Vec3<W>(light), eta);
   if (!mirror.possible) return {};
-  const Rgb<T> slant = slant_depth_of(layer, static_cast<T>(min(mirror.g_view / eta, W(1)))) +
-                       slant_depth_of(layer, static_cast<T>(min(mirror.g_light / eta, W(1))));
+  const T apart =
+      static_cast<T>(ways_apart(Vec3<W>(normal), Vec3<W>(view), mirror.cos_view, mirror.g_view,
+                                Vec3<W>(light), mirror.cos_light, mirror.g_light));
+  const Rgb<T> slant =
+      there_and_back(layer, slant_depth_of(layer, static_cast<T>(min(mirror.g_view / eta, W(1)))),
+                     slant_depth_of(layer, static_cast<T>(min(mirror.g_light / eta, W(1)))), apart);
   const W exit = layer.radiometry == Radiometry::published ? eta * mirror.cos_view : mirror.g_view;
   const W surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, eta) *
                     fresnel_transmittance(mirror.cos_light, mirror.g_light, eta);

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "close_up.h"
+#include "hot_spot.h"
 #include "layer.h"
 
 namespace metallic_paint {
@@ -104,7 +105,9 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
 
   const T cos_alpha = min(abs(facing), T(1));
   const T cos_view_in = min(g_view / eta, T(1)), cos_light_in = min(along, T(1));
-  const Rgb<T> slant = slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  const Rgb<T> slant =
+      there_and_back(layer, slant_depth_of(layer, cos_view_in), slant_depth_of(layer, cos_light_in),
+                     length(v / cos_view_in - l / along));
   const T exit = layer.radiometry == Radiometry::published ? cos_view : cos_view_in;
   // 1 - r goes to zero with the cosine of the exit, A with its inverse: neither overflows.
   const T through = fresnel_transmittance(cos_view, g_view, eta) / exit *

@@ -31,6 +31,7 @@ struct Flakes {
   T solid_angle{};  // pi epsilon^2: what the flake itself adds to the light's cone, sr in the
                     // binder
   Coating<T> coating{};
+  T diameter{};  // m
 };
 
 // A paint as the evaluation needs it. SI units; made by `make_layer`.
@@ -39,7 +40,8 @@ struct Flakes {
 // right the paper left open: against discs that really hide each other (docs/accuracy) attenuated
 // fluctuates more like them. The mean that both share takes the ways to observer and light for
 // independent; where they run past the same flakes (light behind the observer, flakes as large as
-// the layer is thick) the discs are brighter, up to twice at a coverage of 3.
+// the layer is thick) the discs are brighter, up to twice at a coverage of 3. Correlated (ours,
+// hot_spot.h) is attenuated with what both ways share.
 //
 // radiometry: published is the paper's formulas to the letter wherever its assumption holds, flakes
 // far below the pixel. Where fewer than kPoissonSlots flakes fill the pixel, it too is kept below
@@ -52,6 +54,9 @@ struct Layer {
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   T rayleigh_depth;     // H (16 pi/3) c1
+  // Of hot_spot.h: c for each colour, and H/D.
+  Rgb<T> shared_blocking;
+  T thickness_in_flakes;
   DepthModel depth_model;
   Radiometry radiometry;
   T sparkle_contrast;  // share of the sparkles' fluctuation that is shown
@@ -89,7 +94,15 @@ Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffractio
                     Rgb<T>(species.flake_transmission)};
   flakes.coating.kind = species.coating;
   flakes.coating.thickness_nm = static_cast<T>(species.coating_nm);
+  flakes.diameter = diameter;
   return flakes;
+}
+
+// D H <S> <cos(beta)> (1 - t_p)^2, where t_p of a coating is that at some 25 degrees.
+template <class T>
+Rgb<T> shared_blocking_of(const Flakes<T>& flakes) {
+  const Rgb<T> kept = grey(T(1)) - coating_transmittance(flakes.coating, T(0.9));
+  return kept * kept * (flakes.coverage * flakes.orientation.mean_cos);
 }
 
 // The paint as the evaluation needs it; the operations are the shader's. `paint` must be valid.
@@ -99,16 +112,22 @@ Layer<T> make_layer(const Paint& paint) {
   layer.eta = static_cast<T>(paint.binder_ior);
   layer.species = 1;
   layer.coverage = 0;
+  layer.shared_blocking = {};
+  T width = 0;
   for (int i = 0; i < kSpecies; ++i) {
     Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
     flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
     if (flakes.areal_density > 0) layer.species = i + 1;
     layer.coverage += flakes.coverage;
+    layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes);
+    width = width + flakes.coverage * flakes.diameter;
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
   const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
   layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.thickness_in_flakes = 0;
+  if (width > 0) layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
   layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);

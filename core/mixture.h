@@ -32,7 +32,8 @@
 //   2. Each kind meets the layer (layer_shares).
 //   3. The series between surface, layer and substrate are summed whole (mixture_channel). The
 //      shares of each kind add up to 1, so that only K and the substrate take light.
-//   4. E is subtracted, as estimated by the same averages (mean_single).
+//   4. E is subtracted, as estimated by the same averages (mean_single). Correlated, E is larger
+//      (hot_spot.h) and what is scattered several times as much less.
 //
 // Errors against the random walk over 200 seeds, which tests/fits/fits.py measures (docs/fits.md):
 //
@@ -43,6 +44,9 @@
 //   r_s + E + M - 1, lossless paints (4000)      0.009   0.007   0.004   0.0005
 //   likewise, pearls on mica (4000)              0.007   0.005   0.003   0.0002
 //   likewise, pearls on silica (4000)            0.030   0.007   0.004   0.0004
+//   lossless paints, correlated (1000)           0.017   0.013   0.008   0.0009
+//   likewise, pearls on mica (1000)              0.010   0.006   0.004   0.0003
+//   likewise, pearls on silica (1000)            0.014   0.009   0.005   0.0005
 //   L* by angle, single flakes and M (1000)       20      6.1     2.9     0.65
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
@@ -65,6 +69,7 @@
 #include <numbers>
 
 #include "elementary.h"
+#include "hot_spot.h"
 #include "layer.h"
 #include "optical_thickness.h"
 #include "orientation.h"
@@ -165,6 +170,7 @@ struct Mirroring {
   T escaping{};  // of that, what it does let out
   // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
   T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
+  T in_common{};  // likewise G of hot_spot.h
 };
 
 // Up to this tilt two points over beta do, but not for the long tail of ggx. Three everywhere
@@ -183,15 +189,16 @@ inline constexpr double kFewFlakes = 1e-3;
 // end, smoothed by x (2 - x). The share that escapes of what the flakes meet is within 0.07 of the
 // average over the normals, in 95 % within 0.02 (2000 cases, docs/fits.md).
 template <class T>
-Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurface<T>& surface,
-                        T cos_in, T eta) {
+Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& density,
+                        const DiffuseSurface<T>& surface, T cos_in) {
   Mirroring<T> sum;
   const T sin_in = sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T both = cos_in * critical, across = sin_in * sin_critical;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
-  constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
+  constexpr T half_turn = std::numbers::pi_v<T> / 2;                // of phi/2
+  const T flakes_alone = 2 * max_component(layer.shared_blocking);  // optical depth, both ways
   const bool narrow = density.kind != Orientation::ggx && density.tilt <= T(kNarrowTilt);
   for (int piece = 0; piece < 2; ++piece) {
     const T to = edge_deviate(density, piece == 0 ? both + across : both - across);
@@ -226,13 +233,22 @@ Mirroring<T> mirror_out(const OrientationDensity<T>& density, const DiffuseSurfa
         const T cos_alpha = clamp(p + q * cos_phi, T(0), T(1));
         const T cos_exit = min(a + b * cos_phi, T(1));
         const T share = ring * cos_alpha;
-        const T escaping = share * (escape_over_cosine(cos_exit, eta) * cos_exit);
+        const T escaping = share * (escape_over_cosine(cos_exit, layer.eta) * cos_exit);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.cos_exit = sum.cos_exit + escaping * cos_exit;
         sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
+        if (layer.depth_model == DepthModel::correlated && escaping > 0) {
+          // delta is |v_t/c - l_t/e|. With l = 2 cos(alpha) m - v that is |v_t (1/c + 1/e) -
+          // 2 cos(alpha) m_t/e|, where v_t . m_t is cos(alpha) - c cos(beta).
+          const T along = 1 / cos_in + 1 / cos_exit, turned = 2 * cos_alpha / cos_exit;
+          const T square = sin_in * sin_in * (along * along) + 4 * h * (1 - h) * (turned * turned) -
+                           2 * (cos_alpha - p) * (along * turned);
+          const T w = flakes_apart(layer, sqrt(max(square, T(0))));
+          sum.in_common = sum.in_common + escaping * share_in_common(w, flakes_alone);
+        }
       }
     }
   }
@@ -269,12 +285,19 @@ struct DiffuseRates {
   Rgb<T> trapped_mirror{}, trapped_loss{};
 };
 
+// E/(1 - r_s): what escapes from single flakes, with both ways independent of each other; and
+// correlated, of that depth model only.
+template <class T>
+struct SingleShares {
+  Rgb<T> independent{}, correlated{};
+};
+
 // Likewise to light about the view, g.
 template <class T>
 struct FlakeRates {
   Rgb<T> escaping{}, inside{}, outside{};  // S by what becomes of it at the surface
   Rgb<T> loss{};                           // K
-  Rgb<T> single{};                         // E/(1 - r_s)
+  SingleShares<T> single{};
 };
 
 template <class T>
@@ -287,8 +310,8 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
 // one that linear regression expects. E is within 0.011 of the lobe's integral, in 95 % within
 // 0.003 (2000 cases, docs/fits.md).
 template <class T>
-Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirroring<T>& mirrored,
-                   Rgb<T> slant_view) {
+SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
+                            const Mirroring<T>& mirrored, Rgb<T> slant_view) {
   if (!(mirrored.escaping > 0)) return {};
   const T cos_alpha = mirrored.cos_alpha / mirrored.escaping;
   const T cos_exit = mirrored.cos_exit / mirrored.escaping;
@@ -301,16 +324,24 @@ Rgb<T> mean_single(const Layer<T>& layer, const Coating<T>& coating, const Mirro
     }
   }
   const int sides = deviation > 0 ? 2 : 1;
-  Rgb<T> sum{};
+  SingleShares<T> sum;
   for (int i = 0; i < sides; ++i) {
     const T exit = clamp(cos_exit + shift, T(kLeastCosine), T(1));
-    const Rgb<T> slant = slant_view + slant_depth_of(layer, exit);
-    sum = sum + coating_reflectance(coating, clamp(cos_alpha + deviation, T(0), T(1))) *
-                    map(slant, [](T x) { return mean_transmittance(x); });
+    const Rgb<T> slant_out = slant_depth_of(layer, exit);
+    const Rgb<T> r = coating_reflectance(coating, clamp(cos_alpha + deviation, T(0), T(1)));
+    const auto passed = [](T x) { return mean_transmittance(x); };
+    sum.independent = sum.independent + r * map(slant_view + slant_out, passed);
+    if (layer.depth_model == DepthModel::correlated) {
+      const Rgb<T> slant = less_in_common(layer, slant_view + slant_out,
+                                          grey(mirrored.in_common / mirrored.escaping));
+      sum.correlated = sum.correlated + r * map(slant, passed);
+    }
     deviation = -deviation;
     shift = -shift;
   }
-  return sum / static_cast<T>(sides);
+  sum.independent = sum.independent / static_cast<T>(sides);
+  sum.correlated = sum.correlated / static_cast<T>(sides);
+  return sum;
 }
 
 // One species. Over Lambertian light in the cone the mean of <s>/cos is taken for <cos beta>:
@@ -363,7 +394,7 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
                 const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
   const Coating<T>& coating = flakes.coating;
   const T area = mean_projected_area(flakes.orientation, cos_in);
-  const Mirroring<T> mirrored = mirror_out(flakes.orientation, surface, cos_in, layer.eta);
+  const Mirroring<T> mirrored = mirror_out(layer, flakes.orientation, surface, cos_in);
   const T flux = flakes.coverage / cos_in;
   const Rgb<T> r = coating_reflectance(coating, cos_in);
   const Rgb<T> t = coating_transmittance(coating, cos_in);
@@ -371,8 +402,11 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, T(0)));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.single =
-      rates.single + mean_single(layer, coating, mirrored, slant_view) * (flux * mirrored.escaping);
+  const SingleShares<T> single = mean_single(layer, coating, mirrored, slant_view);
+  rates.single.independent =
+      rates.single.independent + single.independent * (flux * mirrored.escaping);
+  rates.single.correlated =
+      rates.single.correlated + single.correlated * (flux * mirrored.escaping);
 }
 
 // Light that stays among the flakes forgets the view, half of it where so many times their mean
@@ -459,7 +493,7 @@ template <class T>
 MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates<T>& diffuse_light,
                                  const DiffuseShares<T>& diffused, T Rgb<T>::* c,
                                  const DiffuseSurface<T>& surface, T absorption, T rayleigh,
-                                 T substrate, T cos_in) {
+                                 T substrate, T cos_in, bool correlated) {
   const T pigment_back = rayleigh / 2;
   const T flake_mirror = flakes.escaping.*c + flakes.inside.*c + flakes.outside.*c;
   const T mirror = flake_mirror + pigment_back / cos_in;
@@ -505,9 +539,19 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates
 
   // Nothing to clamp in a lossless paint, whose albedo is 1. In others E's own estimate exceeds a
   // dark albedo by 0.04 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
-  const T single = flakes.single.*c;
+  const T single = flakes.single.independent.*c;
   const T whole = max(albedo - single, T(0));
-  return {whole, clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
+  MixtureShares<T> shares{whole, clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
+  if (correlated) {
+    // What escapes from single flakes besides is not scattered again: of the light that is neither
+    // lost nor out after its first flake as much less is left.
+    const T kept = 1 - loss * mean_transmittance(mirror + loss);
+    const T left = kept - single;
+    T less = 1;
+    if (left > 0) less = clamp((kept - flakes.single.correlated.*c) / left, T(0), T(1));
+    shares = {shares.whole * less, shares.glossy * less};
+  }
+  return shares;
 }
 
 // GGX's alpha of the glossy lobe. The lobe is broader than that of single flakes: each mirroring
@@ -559,8 +603,9 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
     const T absorption = max(layer.binder_depth.*c - rayleigh, T(0));
     const DiffuseShares<T> diffused =
         diffuse_channel(diffuse_light, c, surface, absorption, rayleigh, substrate.*c);
-    const MixtureShares<T> shares = mixture_channel(rates, diffuse_light, diffused, c, surface,
-                                                    absorption, rayleigh, substrate.*c, cos_in);
+    const MixtureShares<T> shares =
+        mixture_channel(rates, diffuse_light, diffused, c, surface, absorption, rayleigh,
+                        substrate.*c, cos_in, layer.depth_model == DepthModel::correlated);
     sum.diffuse.*c = entered * (shares.whole - shares.glossy);
     sum.glossy.*c = entered * shares.glossy;
   };

@@ -65,8 +65,9 @@ struct Paint : FlakeSpecies {
   // Flake Spread
   Diffraction diffraction = Diffraction::disc;
   // 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
-  // instead, with the same mean
-  DepthModel depth_model = DepthModel::attenuated;
+  // instead, with the same mean. 2 correlated: what hides a flake from the observer often hides it
+  // from the light as well, so dense layers are brighter, as real ones are
+  DepthModel depth_model = DepthModel::correlated;
   // 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
   Radiometry radiometry = Radiometry::exact;
   // 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel

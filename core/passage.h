@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
 #include "refraction.h"
@@ -66,9 +67,13 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
-  way.slant = slant != nullptr
-                  ? *slant
-                  : slant_depth_of(layer, cos_view_in) + slant_depth_of(layer, cos_light_in);
+  const T apart =
+      ways_apart(point.normal, point.view, static_cast<T>(way.mirror.cos_view),
+                 static_cast<T>(way.mirror.g_view), Vec3<T>(light.direction),
+                 static_cast<T>(way.mirror.cos_light), static_cast<T>(way.mirror.g_light));
+  way.slant = slant != nullptr ? *slant
+                               : there_and_back(layer, slant_depth_of(layer, cos_view_in),
+                                                slant_depth_of(layer, cos_light_in), apart);
   way.surface = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                 fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;

@@ -95,7 +95,9 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
 
   float cos_alpha = min(fabs(facing), 1.0);
   float cos_view_in = min(g_view / eta, 1.0);
-  color slant = surface.slant + slant_depth_of(layer, flakes, library, min(along, 1.0));
+  vector apart = inside / cos_view_in - l / along;
+  color slant = there_and_back(layer, surface.slant, slant_depth_of(layer, flakes, library, min(along, 1.0)),
+                               sqrt(inner_product(apart, apart)));
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     exit = cos_view;

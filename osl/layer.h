@@ -19,6 +19,7 @@ struct Flakes {
   OrientationDensity orientation;
   float solid_angle;
   Coating coating;
+  float diameter;
 };
 
 #define SPECIES 3
@@ -31,6 +32,8 @@ struct Layer {
   float eta;
   color binder_depth;
   float rayleigh_depth;
+  color shared_blocking;
+  float thickness_in_flakes;
   int depth_model;
   int radiometry;
   float sparkle_contrast;
@@ -69,28 +72,42 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
   flakes.coating.transmittance = species.flake_transmission;
   flakes.coating.kind = species.coating;
   flakes.coating.thickness_nm = species.coating_nm;
+  flakes.diameter = diameter;
   return flakes;
 }
 
+color shared_blocking_of(Flakes some, float library[])
+{
+  color kept = color(1.0) - coating_transmittance(some.coating, library, 0.9);
+  return kept * kept * (some.coverage * some.orientation.mean_cos);
+}
+
 // `present`: how many of the flakes are made.
-Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present)
+Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present, float library[])
 {
   Layer layer;
   layer.eta = given.binder_ior;
   layer.species = 1;
   layer.first = first;
   layer.coverage = first.coverage;
+  layer.shared_blocking = shared_blocking_of(first, library);
+  float width = first.coverage * first.diameter;
   if (present > 1) {
     for (int i = 1; i < present; ++i) {
       if (flakes[i].areal_density > 0.0)
         layer.species = i + 1;
       layer.coverage = layer.coverage + flakes[i].coverage;
+      layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes[i], library);
+      width = width + flakes[i].coverage * flakes[i].diameter;
     }
   }
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;
   float thickness_mm = given.layer_thickness_um * 0.001;
   layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.thickness_in_flakes = 0.0;
+  if (width > 0.0)
+    layer.thickness_in_flakes = thickness_mm * 0.001 * (layer.coverage / width);
   layer.depth_model = given.depth_model;
   layer.radiometry = given.radiometry;
   layer.sparkle_contrast = given.sparkle_contrast;

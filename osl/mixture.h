@@ -9,6 +9,7 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "refraction.h"
+#include "hot_spot.h"
 #include "layer.h"
 
 #define MIXTURE_POINTS 3
@@ -96,9 +97,10 @@ struct Mirroring {
   float cos_exit;
   float cos2_alpha;
   float cos_alpha_exit;
+  float in_common;
 };
 
-Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float cos_in, float eta)
+Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in)
 {
   Mirroring sum;
   sum.cone = 0.0;
@@ -107,6 +109,7 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   sum.cos_exit = 0.0;
   sum.cos2_alpha = 0.0;
   sum.cos_alpha_exit = 0.0;
+  sum.in_common = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -115,6 +118,8 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float both = cos_in * critical;
   float across = sin_in * sin_critical;
+  color shared = layer.shared_blocking;
+  float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
@@ -163,13 +168,21 @@ Mirroring mirror_out(OrientationDensity density, DiffuseSurface surface, float c
         float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
         float cos_exit = min(a + b * cos_phi, 1.0);
         float share = ring * cos_alpha;
-        float escaping = share * (escape_over_cosine(cos_exit, eta) * cos_exit);
+        float escaping = share * (escape_over_cosine(cos_exit, layer.eta) * cos_exit);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.cos_exit = sum.cos_exit + escaping * cos_exit;
         sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
+        if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
+          float along = 1.0 / cos_in + 1.0 / cos_exit;
+          float turned = 2.0 * cos_alpha / cos_exit;
+          float square = sin_in * sin_in * (along * along) + 4.0 * h * (1.0 - h) * (turned * turned) -
+                         2.0 * (cos_alpha - p) * (along * turned);
+          float w = flakes_apart(layer, sqrt(max(square, 0.0)));
+          sum.in_common = sum.in_common + escaping * share_in_common(w, flakes_alone);
+        }
       }
     }
   }
@@ -208,12 +221,17 @@ struct DiffuseRates {
   color trapped_loss;
 };
 
+struct SingleShares {
+  color independent;
+  color correlated;
+};
+
 struct FlakeRates {
   color escaping;
   color inside;
   color outside;
   color loss;
-  color single;
+  SingleShares single;
 };
 
 FlakeRates no_flakes()
@@ -223,7 +241,8 @@ FlakeRates no_flakes()
   rates.inside = color(0.0);
   rates.outside = color(0.0);
   rates.loss = color(0.0);
-  rates.single = color(0.0);
+  rates.single.independent = color(0.0);
+  rates.single.correlated = color(0.0);
   return rates;
 }
 
@@ -232,11 +251,14 @@ color lost_colour(color mirrored, color passed)
   return max(color(1.0) - mirrored - passed, color(0.0));
 }
 
-color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float library[], Mirroring mirrored,
-                  color slant_view)
+SingleShares mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float library[], Mirroring mirrored,
+                         color slant_view)
 {
+  SingleShares sum;
+  sum.independent = color(0.0);
+  sum.correlated = color(0.0);
   if (!(mirrored.escaping > 0.0))
-    return color(0.0);
+    return sum;
   float cos_alpha = mirrored.cos_alpha / mirrored.escaping;
   float cos_exit = mirrored.cos_exit / mirrored.escaping;
   float deviation = 0.0;
@@ -247,15 +269,21 @@ color mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float li
       shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
   }
   int sides = deviation > 0.0 ? 2 : 1;
-  color sum = color(0.0);
   for (int i = 0; i < sides; ++i) {
-    color slant = slant_view + slant_depth_of(layer, flakes, library, clamp(cos_exit + shift, LEAST_COSINE, 1.0));
-    sum = sum +
-          coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0)) * mean_transmittance(slant);
+    float exit = clamp(cos_exit + shift, LEAST_COSINE, 1.0);
+    color slant_out = slant_depth_of(layer, flakes, library, exit);
+    color r = coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0));
+    sum.independent = sum.independent + r * mean_transmittance(slant_view + slant_out);
+    if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
+      color slant = less_in_common(layer, slant_view + slant_out, color(mirrored.in_common / mirrored.escaping));
+      sum.correlated = sum.correlated + r * mean_transmittance(slant);
+    }
     deviation = -deviation;
     shift = -shift;
   }
-  return sum / sides;
+  sum.independent = sum.independent / sides;
+  sum.correlated = sum.correlated / sides;
+  return sum;
 }
 
 DiffuseRates no_diffuse_light()
@@ -317,7 +345,7 @@ void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], in
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
   float area = mean_projected_area(orientation, cos_in);
-  Mirroring mirrored = mirror_out(orientation, surface, cos_in, layer.eta);
+  Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in);
   float flux = some.coverage / cos_in;
   color r = coating_reflectance(coating, library, cos_in);
   color t = coating_transmittance(coating, library, cos_in);
@@ -325,8 +353,9 @@ void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], in
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.single = rates.single +
-                 mean_single(layer, flakes, coating, library, mirrored, slant_view) * (flux * mirrored.escaping);
+  SingleShares single = mean_single(layer, flakes, coating, library, mirrored, slant_view);
+  rates.single.independent = rates.single.independent + single.independent * (flux * mirrored.escaping);
+  rates.single.correlated = rates.single.correlated + single.correlated * (flux * mirrored.escaping);
 }
 
 float mean_cosine(DiffuseRates diffuse_light)
@@ -394,7 +423,8 @@ struct MixtureShares {
 
 // In the colour channel c: 0, 1, 2.
 MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, DiffuseShares diffused, int c,
-                              DiffuseSurface surface, float absorption, float rayleigh, float substrate, float cos_in)
+                              DiffuseSurface surface, float absorption, float rayleigh, float substrate, float cos_in,
+                              int correlated)
 {
   float pigment_back = rayleigh / 2.0;
   float flake_mirror = flakes.escaping[c] + flakes.inside[c] + flakes.outside[c];
@@ -434,10 +464,19 @@ MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, Dif
   float down = (about.passed + about.mirrored * outside * diffused.trapped_down) / exits;
   float albedo = upwards + substrate * down * diffused.below;
 
-  float single = flakes.single[c];
+  float single = flakes.single.independent[c];
   MixtureShares shares;
   shares.whole = max(albedo - single, 0.0);
   shares.glossy = clamp(about.mirrored * unpigmented / exits - single, 0.0, shares.whole);
+  if (correlated) {
+    float kept = 1.0 - loss * mean_transmittance(mirror + loss);
+    float left = kept - single;
+    float less = 1.0;
+    if (left > 0.0)
+      less = clamp((kept - flakes.single.correlated[c]) / left, 0.0, 1.0);
+    shares.whole = shares.whole * less;
+    shares.glossy = shares.glossy * less;
+  }
   return shares;
 }
 
@@ -522,7 +561,8 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
     diffused.trapped_down = trapped_down[c];
     diffused.below = below[c];
     MixtureShares shares =
-        mixture_channel(rates, diffuse_light, diffused, c, surface, absorption[c], rayleigh, substrate[c], cos_in);
+        mixture_channel(rates, diffuse_light, diffused, c, surface, absorption[c], rayleigh, substrate[c], cos_in,
+                        layer.depth_model == DEPTH_MODEL_CORRELATED);
     sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
     sum.glossy_albedo[c] = entered * shares.glossy;
   }

@@ -75,7 +75,7 @@ Paint sound_paint(float binder_ior, float layer_thickness_um, color binder_absor
   given.binder_absorption_per_mm = sound(binder_absorption_per_mm, 0.0, 1e6, color(0.0, 0.0, 0.0));
   given.rayleigh_per_mm = sound(rayleigh_per_mm, 0.0, 1e6, 0.0);
   given.diffraction = clamp(diffraction, 0, 1);
-  given.depth_model = clamp(depth_model, 0, 1);
+  given.depth_model = clamp(depth_model, 0, 2);
   given.radiometry = clamp(radiometry, 0, 1);
   given.composition = clamp(composition, 0, 1);
   given.anchor = clamp(anchor, 0, 1);

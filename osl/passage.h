@@ -3,6 +3,7 @@
 // The way of a light through a point of the surface to the observer: see core/passage.h.
 #pragma once
 
+#include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
 #include "refraction.h"
@@ -64,7 +65,9 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
     outside = M_PI * squared_angle(light.sin2_half_radius);
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
-  way.slant = surface.slant + slant_depth_of(layer, flakes, library, cos_light_in);
+  float apart = ways_apart(surface.n, surface.view, way.mirror.cos_view, way.mirror.g_view, light.direction,
+                           way.mirror.cos_light, way.mirror.g_light);
+  way.slant = there_and_back(layer, surface.slant, slant_depth_of(layer, flakes, library, cos_light_in), apart);
   way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                               fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;

@@ -34,6 +34,7 @@ class Diffraction(IntEnum):
 class DepthModel(IntEnum):
     attenuated = 0
     thinned = 1
+    correlated = 2
 
 class Radiometry(IntEnum):
     exact = 0
@@ -100,7 +101,8 @@ class Paint(FlakeSpecies):
     # Flake Spread
     diffraction: Diffraction
     # 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
-    # instead, with the same mean
+    # instead, with the same mean. 2 correlated: what hides a flake from the observer often hides it
+    # from the light as well, so dense layers are brighter, as real ones are
     depth_model: DepthModel
     # 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
     radiometry: Radiometry

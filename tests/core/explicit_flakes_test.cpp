@@ -96,6 +96,7 @@ ModelScene random_model_scene(Random& random, double from, double to, double wid
     Paint& paint = s.paint;
     paint = random_paint(random);
     paint.radiometry = Radiometry::exact;
+    if (paint.depth_model == DepthModel::correlated) paint.depth_model = DepthModel::attenuated;
     paint.flake_edge_color = paint.flake_edge_color * 0.9;  // leaves room for the transmission
     paint.flake_area_spread = random.below(4) == 0 ? 0 : random.uniform(0, 0.6);
     paint.binder_ior = random.below(6) == 0 ? random.uniform(0.8, 1) : random.uniform(1, 2.2);

@@ -247,7 +247,7 @@ struct Scene {
   Real eta, thickness;
   Colour absorption;
   Real rayleigh;
-  bool thinned, published;
+  bool thinned, correlated, published;
   // Geometry
   Vector normal, view, light;
   Real light_radius;  // Delta_a
@@ -267,6 +267,7 @@ inline Real averaged(Real x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 // What the orientations contribute, to be shared by scenes with the same flakes and angles.
 struct Orientations {
   Real norm, area_view, area_light;
+  Real area_above;  // seen along the paint's normal
 };
 inline Orientations orientations(const Scene& scene) {
   const Real norm = shape_norm(scene.orientation);
@@ -274,7 +275,7 @@ inline Orientations orientations(const Scene& scene) {
     return mean_projected_area(scene.orientation, norm,
                                refracted_angle(angle(scene.normal, v), scene.eta));
   };
-  return {norm, area(scene.view), area(scene.light)};
+  return {norm, area(scene.view), area(scene.light), area(scene.normal)};
 }
 
 inline Result sparkles(const Scene& scene, const Orientations& known) {
@@ -326,6 +327,18 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
     const auto at = static_cast<std::size_t>(i);
     result.depth[at] =
         slanted(known.area_view, std::cos(theta_p)) + slanted(known.area_light, std::cos(theta_lp));
+    if (scene.correlated) {
+      // Both ways leave the paint at points H times this far apart, for a flake on the ground.
+      const Vector to_view = (1 / std::cos(theta_p)) * v, to_light = (1 / std::cos(theta_lp)) * l;
+      const Vector between = to_view + -1 * to_light;
+      const Real diameter = std::sqrt(4 * scene.flake_area / kPi);
+      const Real widths = std::sqrt(dot(between, between)) * scene.thickness / diameter;
+      const Real opaque = 1 - scene.transmittance[i];
+      const Real shared = coverage * known.area_above * opaque * opaque;
+      const Real y = widths / (1 + 0.0971L * result.depth[at]);
+      const Real far = 1.8717L / (1 + 0.1464L * result.depth[at]);
+      result.depth[at] -= shared * (1 + 1.6392L * y) / (1 + 2.0389L * y + far * y * y);
+    }
     kept[at] = averaged(result.depth[at]);
   }
   const Real most = *std::max_element(kept.begin(), kept.end());

@@ -374,6 +374,7 @@ TEST(RandomWalk, SingleScatteringIsTheCoresFlakeBrdf) {
     scene.seed = run_seed() + static_cast<std::uint64_t>(k);
     const WalkResult result = walk_reference::walk(scene);
 
+    paint.depth_model = DepthModel::attenuated;
     const auto layer = metallic_paint::make_layer<double>(paint);
     for (std::size_t i = 0; i < detectors; ++i) {
       const Vec3<double> view = scene.detectors[i];
@@ -436,6 +437,7 @@ TEST(RandomWalk, SingleScatteringOfSeveralSpeciesIsTheCoresFlakeBrdf) {
     scene.seed = run_seed() + static_cast<std::uint64_t>(k);
     const WalkResult result = walk_reference::walk(scene);
 
+    paint.depth_model = DepthModel::attenuated;
     const auto layer = metallic_paint::make_layer<double>(paint);
     const auto mean = [](Rgb<double> x) {
       return map(x, [](double d) { return d > 0 ? -std::expm1(-d) / d : 1; });

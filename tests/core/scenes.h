@@ -27,6 +27,7 @@ inline Paint undiffracted() {
   Paint paint;
   paint.anchor = Anchor::pixel;
   paint.diffraction = Diffraction::none;
+  paint.depth_model = DepthModel::attenuated;  // as the random walk is; others where they are meant
   return paint;
 }
 
@@ -113,7 +114,7 @@ inline Paint random_paint(Random& random) {
   paint.layer_thickness_um = rounded(random.log_uniform(3, 100));
   paint.binder_absorption_per_mm = random.below(2) == 0 ? Rgb<double>{} : rounded(colour(0, 30));
   paint.rayleigh_per_mm = random.below(2) == 0 ? 0 : rounded(random.uniform(0, 1));
-  paint.depth_model = static_cast<DepthModel>(random.below(2));
+  paint.depth_model = static_cast<DepthModel>(random.below(3));
   paint.radiometry = static_cast<Radiometry>(random.below(2));
   return paint;
 }
@@ -160,7 +161,7 @@ inline Paint any_paint(Random& random) {
   p.layer_thickness_um = random.log_uniform(1e-6, 1e6);
   p.binder_absorption_per_mm = colour(random.log_uniform(1e-9, 1e6));
   p.rayleigh_per_mm = random.below(2) == 0 ? 0 : random.log_uniform(1e-9, 1e6);
-  p.depth_model = static_cast<DepthModel>(random.below(2));
+  p.depth_model = static_cast<DepthModel>(random.below(3));
   p.radiometry = static_cast<Radiometry>(random.below(2));
   p.composition = static_cast<Composition>(random.below(2));
   p.sparkle_contrast = random.below(3) == 0 ? random.uniform(0, 1) : random.below(2);
@@ -267,6 +268,7 @@ inline independent::Scene reference_scene(const TestScene& s) {
           .absorption = colour(p.binder_absorption_per_mm * 1e3),
           .rayleigh = static_cast<Real>(p.rayleigh_per_mm) * 1e3L,
           .thinned = p.depth_model == DepthModel::thinned,
+          .correlated = p.depth_model == DepthModel::correlated,
           .published = p.radiometry == Radiometry::published,
           .normal = vector(s.normal),
           .view = vector(s.view),

@@ -110,7 +110,7 @@ struct ShaderPaint {
   std::array<osl::Flakes, kSpecies> flakes;
 };
 
-ShaderPaint to_osl(const Paint& paint) {
+ShaderPaint to_osl(const Paint& paint, float* library) {
   Words words;
   each_paint_parameter([&](auto, auto member, auto) { words(paint.*member); });
   ShaderPaint shader;
@@ -119,7 +119,7 @@ ShaderPaint to_osl(const Paint& paint) {
     shader.flakes[static_cast<std::size_t>(i)] =
         osl::make_flakes(to_osl(paint.species(i)), given.binder_ior, given.diffraction);
   }
-  shader.layer = osl::make_layer(given, shader.flakes[0], shader.flakes, kSpecies);
+  shader.layer = osl::make_layer(given, shader.flakes[0], shader.flakes, kSpecies, library);
   return shader;
 }
 
@@ -129,6 +129,8 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("eta", shader.eta, core.eta);
   same("binder_depth", shader.binder_depth, core.binder_depth);
   same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
+  same("shared_blocking", shader.shared_blocking, core.shared_blocking);
+  same("thickness_in_flakes", shader.thickness_in_flakes, core.thickness_in_flakes);
   same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
   same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
   same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);
@@ -261,7 +263,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const SurfacePoint<float>& point = scene.point;
   float* library = library_values.data();
   const Layer<float> layer = make_layer<float>(paint);
-  const auto [given, shader_layer, shader_flakes] = to_osl(paint);
+  const auto [given, shader_layer, shader_flakes] = to_osl(paint, library);
   compare(same, shader_layer, layer);
   for (std::size_t i = 0; i < kSpecies; ++i) compare(same, shader_flakes[i], layer.flakes[i]);
 

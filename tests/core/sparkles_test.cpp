@@ -73,7 +73,7 @@ TEST(Sparkles, CountMeanAndVarianceMatchAnIndependentEvaluation) {
         if (!crowded) variance.see(relative_error(found_variance[c], exact_variance), scene);
         brdf.see(relative_error(found_brdf[c], exact.brdf[c]), scene);
       }
-      if (scene.paint.depth_model == DepthModel::attenuated && !crowded) {
+      if (scene.paint.depth_model != DepthModel::thinned && !crowded) {
         depth.see(relative_error(found.slant.x, exact.depth[0]), scene);
       }
     }

@@ -74,6 +74,13 @@ the walk's own, and what 95 % stay below.
 
 {facets}
 
+## What both ways share
+
+`tests/fits/hot_spot_fit.cpp`: the constants of `core/hot_spot.h`, and lossless paints with Depth
+Model correlated.
+
+{hot_spot}
+
 ## The flakes' lobe
 
 `tests/fits/lobe_spread.cpp`: `kLobeSpread` of `core/flake_lobe.h`.
@@ -89,7 +96,7 @@ def run(*command: str | Path) -> str:
 
 def build() -> None:
     run("cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release")
-    for program in ("mixture_error", "mixture_averages", "facet_fit", "lobe_spread"):
+    for program in ("mixture_error", "mixture_averages", "facet_fit", "hot_spot_fit", "lobe_spread"):
         tell(f"building {program}")
         run("cmake", "--build", BUILD, "--target", program)
 
@@ -133,6 +140,7 @@ def page(walks: Path) -> str:
         tried="\n".join([row("as it is", errors), *tried]),
         averages=run(PROGRAMS / "mixture_averages"),
         facets=run(PROGRAMS / "facet_fit"),
+        hot_spot=run(PROGRAMS / "hot_spot_fit"),
         lobe=run(PROGRAMS / "lobe_spread"),
     )
 

@@ -165,7 +165,7 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
 
   const double critical = surface.critical;
   const Met g = meet(density, flakes.coating, eta, critical, cos_in, cos_in);
-  const Mirroring<double> mirrored = mirror_out(density, surface, cos_in, eta);
+  const Mirroring<double> mirrored = mirror_out(layer, density, surface, cos_in);
   const std::string kind = kind_of(flakes.coating);
   errors.see("mirror_out, share that leaves", (mirrored.escaping - g.escaping) / g.area);
   const Met c = meet(density, flakes.coating, eta, critical, critical, 1);
@@ -200,7 +200,7 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   const double entered = 1 - surface_of(seen.paint, seen.cos_view);
   const bool silica = has_silica(seen.paint);
   errors.see(std::string("E as M estimates it, ") + (silica ? "with silica" : "without silica"),
-             rates.single * entered - single_scattering(seen.paint, seen.cos_view));
+             rates.single.independent * entered - single_scattering(seen.paint, seen.cos_view));
   // What that estimate takes too much from a dark albedo, where the result is clamped at 0.
   FlakeRates<double> none = rates;
   none.single = {};
@@ -211,9 +211,9 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
     const DiffuseShares<double> diffused =
         diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
     const double albedo = mixture_channel(none, diffuse_light, diffused, channel, surface,
-                                          absorption, rayleigh, 0.0, cos_in)
+                                          absorption, rayleigh, 0.0, cos_in, false)
                               .whole;
-    excess = std::max(excess, rates.single.*channel - albedo);
+    excess = std::max(excess, rates.single.independent.*channel - albedo);
   }
   errors.see("E above the albedo over black, clamped", excess);
 }

@@ -13,9 +13,13 @@ NAN = float("nan")
 
 PEARL = core.FlakeSpecies(flakes_per_mm2=2000, tilt=0.1, coating=9, coating_nm=90)
 METAL = core.FlakeSpecies(flakes_per_mm2=1000, tilt=0.3, coating=3)
+# The random walk takes the ways to observer and light for independent.
 PAINTS = [
-    core.Paint(flakes_per_mm2=5000, flake_color=(0.9, 0.6, 0.3), rayleigh_per_mm=0.2),
-    core.Paint(flakes_per_mm2=1000, coating=12, coating_nm=60, more=[METAL, PEARL]),
+    core.Paint(depth_model="attenuated", **fields)
+    for fields in (
+        {"flakes_per_mm2": 5000, "flake_color": (0.9, 0.6, 0.3), "rayleigh_per_mm": 0.2},
+        {"flakes_per_mm2": 1000, "coating": 12, "coating_nm": 60, "more": [METAL, PEARL]},
+    )
 ]
 
 

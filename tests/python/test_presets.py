@@ -74,12 +74,14 @@ REFERENCE = json.loads((Path(__file__).parent / "preset-values.json").read_text(
 def test_a_shipped_preset_is_the_paint_that_it_was(name: str) -> None:
     """Whatever has become of the defaults since: the values are those of 0.1.0, as it stated all.
 
-    A field that came later is at its neutral value and stands in no preset, but for the anchor: the
-    sparkles of what ships ride on the surface.
+    A field that came later is at its neutral value and stands in no preset. But the sparkles of
+    what ships ride on the surface, and its layers are correlated.
     """
     paint = presets.load(name)
-    assert paint.anchor == "surface"
+    assert (paint.anchor, paint.depth_model) == ("surface", "correlated")
     for field, value in zip(REFERENCE["fields"], REFERENCE[name], strict=True):
+        if field == "depth_model":
+            continue
         wanted = tuple(value) if isinstance(value, list) else value
         assert value_of(paint, field) == wanted, field
 
@@ -326,21 +328,23 @@ def test_presets_keep_their_look_when_a_default_changes_and_a_parameter_comes(
 
 
 @pytest.mark.parametrize(
-    ("head", "anchor"),
+    ("head", "anchor", "depth_model"),
     [
-        ('"schema_version": 1', "pixel"),
-        ('"schema_version": 2, "defaults": 1', "pixel"),
-        ('"schema_version": 2, "defaults": 2', "surface"),
+        ('"schema_version": 1', "pixel", "attenuated"),
+        ('"schema_version": 2, "defaults": 1', "pixel", "attenuated"),
+        ('"schema_version": 2, "defaults": 2', "surface", "attenuated"),
+        ('"schema_version": 2, "defaults": 3', "surface", "correlated"),
     ],
 )
-def test_own_presets_of_before_keep_the_sparkles_on_the_pixels(
-    tmp_path: Path, head: str, anchor: str
+def test_own_presets_of_before_keep_their_defaults(
+    tmp_path: Path, head: str, anchor: str, depth_model: str
 ) -> None:
     file = tmp_path / "mine.json"
     file.write_text(f'{{{head}, "paint": {{"seed": 4}}}}')
-    assert presets.load(file) == Paint(seed=4, anchor=anchor)
+    paint = Paint(seed=4, anchor=anchor, depth_model=depth_model)
+    assert presets.load(file) == paint
     presets.save(presets.load(file), file)
-    assert presets.load(file) == Paint(seed=4, anchor=anchor)
+    assert presets.load(file) == paint
 
 
 def test_an_unknown_name_is_told_the_known_ones() -> None:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from .parameter import Color, Parameter
 
 # fmt: off
-VERSION_OF_DEFAULTS = 2
+VERSION_OF_DEFAULTS = 3
 # By field: a default that was, and the last version of the defaults that had it.
 FORMER_DEFAULTS: dict[str, tuple[tuple[int, float | str | Color], ...]] = {
+    "depth_model": ((2, "attenuated"),),
     "anchor": ((1, "pixel"),),
 }
 
@@ -41,7 +42,7 @@ class PaintFields:
     binder_absorption_per_mm: Color = (0.0, 0.0, 0.0)
     rayleigh_per_mm: float = 0.0
     diffraction: str = "disc"
-    depth_model: str = "attenuated"
+    depth_model: str = "correlated"
     radiometry: str = "exact"
     composition: str = "exact"
     anchor: str = "surface"
@@ -151,10 +152,11 @@ PAINT_PARAMETERS = {
         choices=("none", "disc"),
     ),
     "depth_model": Parameter(
-        "DepthModel", "Depth Model", "Sparkle", 0, 1,
+        "DepthModel", "Depth Model", "Sparkle", 0, 2,
         "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
-        "out instead, with the same mean",
-        choices=("attenuated", "thinned"),
+        "out instead, with the same mean. 2 correlated: what hides a flake from the observer "
+        "often hides it from the light as well, so dense layers are brighter, as real ones are",
+        choices=("attenuated", "thinned", "correlated"),
     ),
     "radiometry": Parameter(
         "Radiometry", "Radiometry", "Sparkle", 0, 1,

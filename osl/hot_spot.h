@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What hides a flake from the observer and from the light as well: see core/hot_spot.h.
+#pragma once
+
+#include "layer.h"
+
+color share_in_common(float w, color x)
+{
+  color y = w / (color(1.0) + 0.0971 * x);
+  return (color(1.0) + 1.6392 * y) / (color(1.0) + y * (color(2.0389) + y * (1.8717 / (color(1.0) + 0.1464 * x))));
+}
+
+float share_in_common(float w, float x)
+{
+  float y = w / (1.0 + 0.0971 * x);
+  return (1.0 + 1.6392 * y) / (1.0 + y * (2.0389 + y * (1.8717 / (1.0 + 0.1464 * x))));
+}
+
+float flakes_apart(Layer layer, float delta)
+{
+  return min(delta * layer.thickness_in_flakes, 1e9);
+}
+
+color less_in_common(Layer layer, color x, color share)
+{
+  return x - min(layer.shared_blocking, x * 0.5) * share;
+}
+
+color there_and_back(Layer layer, color view_slant, color light_slant, float delta)
+{
+  color x = view_slant + light_slant;
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED)
+    x = less_in_common(layer, x, share_in_common(flakes_apart(layer, delta), x));
+  return x;
+}
+
+float ways_apart(vector n, vector view, float cos_view, float g_view, vector light, float cos_light, float g_light)
+{
+  vector between = (view - n * cos_view) / max(g_view, LEAST_COSINE) - (light - n * cos_light) / max(g_light, LEAST_COSINE);
+  return sqrt(inner_product(between, between));
+}
