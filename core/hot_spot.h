@@ -30,7 +30,7 @@ namespace metallic_paint {
 
 // G(w, x), the share of c that counts, is 1 where both ways are one. It falls as 1 - 0.4 w for
 // small w and x, as 0.42/(w <z>) for large w. Fitted to the integral: for c of 0.02 to 5, any w and
-// x from 2 c to 2 c + 40 the mean is within 1.1 % (docs/fits.md).
+// x from 2 c to 2 c + 40 the mean is within 1.2 % (docs/fits.md).
 template <class T>
 T share_in_common(T w, T x) {
   const T y = w / (1 + T(0.0971) * x);

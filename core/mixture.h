@@ -44,9 +44,9 @@
 //   r_s + E + M - 1, lossless paints (4000)      0.009   0.007   0.004   0.0005
 //   likewise, pearls on mica (4000)              0.007   0.005   0.003   0.0002
 //   likewise, pearls on silica (4000)            0.030   0.007   0.004   0.0004
-//   lossless paints, correlated (1000)           0.017   0.013   0.008   0.0009
-//   likewise, pearls on mica (1000)              0.010   0.006   0.004   0.0003
-//   likewise, pearls on silica (1000)            0.014   0.009   0.005   0.0005
+//   lossless paints, correlated (2000)           0.017   0.013   0.008   0.0009
+//   likewise, pearls on mica (2000)              0.010   0.006   0.004   0.0003
+//   likewise, pearls on silica (2000)            0.023   0.011   0.006   0.0006
 //   L* by angle, single flakes and M (1000)       20      6.1     2.9     0.65
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages

@@ -37,7 +37,7 @@ TEST(HotSpot, TheOpticalDepthLeavesTheMeanOfBothWays) {
     worst.see(relative_error(mean_transmittance(left), free_on_both_ways(c, w, x)), "c", c, "w", w,
               "x", x);
   }
-  worst.expect_at_most(0.0115);  // what hot_spot.h states, and the rule's own error
+  worst.expect_at_most(0.0125);  // what hot_spot.h states, and the rule's own error
 }
 
 TEST(HotSpot, OneWayThereAndBackIsMetOnce) {
