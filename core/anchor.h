@@ -26,6 +26,7 @@
 #include <cstdint>
 
 #include "layer.h"
+#include "own_space.h"
 #include "passage.h"
 #include "random.h"
 #include "vector.h"
@@ -54,30 +55,6 @@ struct Cell {
   T area{};         // of the surface in it, m2
   HashWords key{};  // of its deviates
 };
-
-// A direction of the world in the own space.
-template <class T>
-Vec3<T> own_direction(const OwnSpace<T>& own, Vec3<T> d) {
-  return {dot(own.x, d), dot(own.y, d), dot(own.z, d)};
-}
-
-// The plane of a lattice, across that axis of the own space which is nearest to the normal.
-struct LatticePlane {
-  int w;     // that axis: 0, 1 or 2
-  int u, v;  // the axes in the plane
-  int face;  // w, and 3 more on the other face of a sheet
-};
-template <class T>
-LatticePlane lattice_plane(Vec3<T> n) {
-  const T normal[3] = {n.x, n.y, n.z};
-  LatticePlane plane{};
-  if (abs(n.y) > abs(n.x)) plane.w = 1;
-  if (abs(n.z) > max(abs(n.x), abs(n.y))) plane.w = 2;
-  plane.u = (plane.w + 1) % 3;
-  plane.v = (plane.w + 2) % 3;
-  plane.face = normal[plane.w] < 0 ? plane.w + 3 : plane.w;
-  return plane;
-}
 
 // What tells the flakes of one species in one object, or the texture of it, from others.
 template <class T>
@@ -139,12 +116,11 @@ Octave<T> settled(Octave<T> octave, T size, std::uint32_t word) {
 template <class T>
 Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stream) {
   const OwnSpace<T>& own = point.own;
-  const Vec3<T> n = own_direction(own, point.normal);
   const T cosine = dot(point.normal, point.view);
   const Vec3<T> t = own_direction(own, point.view - point.normal * cosine);
 
-  const LatticePlane plane = lattice_plane(n);
-  const T normal[3] = {n.x, n.y, n.z}, across[3] = {t.x, t.y, t.z};
+  const LatticePlane<T> plane = lattice_plane(own, point.normal);
+  const T normal[3] = {plane.n.x, plane.n.y, plane.n.z}, across[3] = {t.x, t.y, t.z};
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const T n_u = normal[plane.u], n_v = normal[plane.v];
   const T t_u = across[plane.u], t_v = across[plane.v];

@@ -37,6 +37,7 @@
 #include "layer.h"
 #include "optical_thickness.h"
 #include "orientation.h"
+#include "own_space.h"
 #include "passage.h"
 #include "random.h"
 #include "vector.h"
@@ -298,7 +299,7 @@ std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const Surf
   const OwnSpace<T>& own = point.own;
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const Vec3<T> axes[3] = {own.x, own.y, own.z};
-  const LatticePlane plane = lattice_plane(own_direction(own, point.normal));
+  const LatticePlane<T> plane = lattice_plane(own, point.normal);
   const LatticePoint<T> at{place[plane.u], place[plane.v], axes[plane.u], axes[plane.v]};
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];

@@ -10,18 +10,11 @@
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
+#include "own_space.h"
 #include "refraction.h"
 #include "vector.h"
 
 namespace metallic_paint {
-
-// The space in which the paint's flakes rest: the object's, or that of a rest position.
-template <class T>
-struct OwnSpace {
-  Vec3<T> position{};                          // of the point, m
-  Vec3<T> x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  // its axes in the world
-  int instance = 0;                            // tells copies of one object apart
-};
 
 // Where the paint is looked at. The view is a unit vector towards the observer.
 template <class T>

@@ -251,7 +251,7 @@ void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int f
   vector inside = (surface.view + surface.n * (g_view - cos_view)) / layer.eta;
   OwnSpace own = surface.own;
   vector axes[3] = {own.x, own.y, own.z};
-  LatticePlane plane = lattice_plane(own_direction(own, surface.n));
+  LatticePlane plane = surface.plane;
   LatticePoint at;
   at.a = own.position[plane.u];
   at.b = own.position[plane.v];

@@ -6,15 +6,8 @@
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
+#include "own_space.h"
 #include "refraction.h"
-
-struct OwnSpace {
-  point position;
-  vector x;
-  vector y;
-  vector z;
-  int instance;
-};
 
 struct SurfacePoint {
   point position;
@@ -25,6 +18,7 @@ struct SurfacePoint {
   int pixel_x;
   int pixel_y;
   OwnSpace own;
+  LatticePlane plane;  // of that and n
 };
 
 struct Passage {

@@ -122,7 +122,7 @@ def test_reference_names_what_is_none(registered: None) -> None:
     node.inputs["Radiometry"].default_value = node.inputs["Depth Model"].default_value = 1
     said = quality.apply(scene, "REFERENCE")
     assert "Silver keeps its radiometry published, not exact." in said
-    assert "Silver keeps its depth model thinned, not attenuated." in said
+    assert "Silver keeps its depth model thinned, not correlated." in said
     assert "Denoising stays on: a reference has none." in said
     assert node.inputs["Radiometry"].default_value == 1
 

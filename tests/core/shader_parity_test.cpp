@@ -281,6 +281,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   surface.pixel_y = point.pixel_y;
   surface.own = {to_osl(point.own.position), to_osl(point.own.x), to_osl(point.own.y),
                  to_osl(point.own.z), point.own.instance};
+  surface.plane = osl::lattice_plane(surface.own, surface.n);
   same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);

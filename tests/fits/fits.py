@@ -96,7 +96,13 @@ def run(*command: str | Path) -> str:
 
 def build() -> None:
     run("cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release")
-    for program in ("mixture_error", "mixture_averages", "facet_fit", "hot_spot_fit", "lobe_spread"):
+    for program in (
+        "mixture_error",
+        "mixture_averages",
+        "facet_fit",
+        "hot_spot_fit",
+        "lobe_spread",
+    ):
         tell(f"building {program}")
         run("cmake", "--build", BUILD, "--target", program)
 

@@ -163,7 +163,7 @@ STRIPS = {
                 "depth_model": kind, "layer_thickness_um": 200,
                 "binder_absorption_per_mm": (k, k / 2, 0),
             }
-            for k in (0, 20) for kind in ("attenuated", "thinned")
+            for k in (0, 20) for kind in ("attenuated", "thinned", "correlated")
         },
         near=True,
     ),

@@ -107,6 +107,8 @@ _SCENES = (
           scale=(0.15, 0.15, 0.15), width=0.3, seeds=2),
     Scene("thinned, sphere", (SUN,), shape="sphere", width=1, distance=5,
           paint=dataclasses.replace(CANDY, depth_model="thinned"), scale=(0.5, 0.5, 0.5)),
+    Scene("attenuated, sphere", (SUN,), shape="sphere", width=1, distance=5,
+          paint=dataclasses.replace(CANDY, depth_model="attenuated"), scale=(0.5, 0.5, 0.5)),
     Scene("published, plane", (SUN,), paint=dataclasses.replace(SILVER, radiometry="published"),
           seeds=4),
     Scene("published and thinned, sphere", (SUN,), shape="sphere", distance=5, width=1,

@@ -56,7 +56,7 @@ QUALITIES = {
 }  # fmt: skip
 
 # Choices of a paint that are its exact model.
-_EXACT = {"depth_model": "attenuated", "radiometry": "exact", "composition": "exact"}
+_EXACT = {"depth_model": "correlated", "radiometry": "exact", "composition": "exact"}
 
 
 def apply(scene: bpy.types.Scene, quality: str) -> list[str]:
