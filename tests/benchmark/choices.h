@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "alternatives.h"
+#include "hot_spot.h"
 #include "paint.h"
 #include "scene.h"
 #include "tables.h"
@@ -104,8 +105,14 @@ class ModelOf : public Model {
     if (projection_) {
       const Rgb<T> none{};  // the layer's own depth is not computed
       Passage<T> way = pass_between(layer_, point, seen, &none);
-      if (way.open)
-        way.slant = tabulated_depth(way.mirror.g_view) + tabulated_depth(way.mirror.g_light);
+      if (way.open) {
+        const auto& m = way.mirror;
+        const T apart = ways_apart(point.normal, point.view, static_cast<T>(m.cos_view),
+                                   static_cast<T>(m.g_view), Vec3<T>(seen.direction),
+                                   static_cast<T>(m.cos_light), static_cast<T>(m.g_light));
+        way.slant =
+            there_and_back(layer_, tabulated_depth(m.g_view), tabulated_depth(m.g_light), apart);
+      }
       return expect_sparkles(layer_, flakes, point.footprint, way);
     }
     return expect_sparkles(layer_, point, seen);
@@ -232,9 +239,10 @@ inline std::vector<Group> groups() {
        {{"exact", shipped()},
         {"published", with_paint([](Paint& p) { p.radiometry = Radiometry::published; })}}},
       {"depth",
-       "attenuated",
-       "attenuated",
-       {{"attenuated", shipped()},
+       "correlated",
+       "correlated",
+       {{"correlated", shipped()},
+        {"attenuated", with_paint([](Paint& p) { p.depth_model = DepthModel::attenuated; })},
         {"thinned", with_paint([](Paint& p) { p.depth_model = DepthModel::thinned; }),
          Numbers::own}}},
       // Not another way to compute the same but another paint.

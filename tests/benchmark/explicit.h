@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The model against individually traced flakes that hide one another: which of the two depth models
-// is nearer, and when; and what whole pictures of the two are like.
+// The model against individually traced flakes that hide one another: how near each depth model
+// is, and when; and what whole pictures of the two are like.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <ctime>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -56,11 +57,19 @@ struct Share {
   double mean, square;  // E[s], E[s^2] of what the layer leaves of a sparkle
 };
 
+inline constexpr std::pair<const char*, DepthModel> kDepthModels[] = {
+    {"correlated", DepthModel::correlated},
+    {"attenuated", DepthModel::attenuated},
+    {"thinned", DepthModel::thinned}};
+
 struct ExplicitFound {
   double count;  // of sparkles, over the model's
-  Share traced, attenuated, thinned;
-  double deviation_of_mean;                             // standard error of traced.mean
-  double distance_attenuated, distance_thinned, floor;  // Wasserstein, in standard deviations
+  Share traced;
+  double deviation_of_mean;  // standard error of traced.mean
+  // Of kDepthModels; Wasserstein's distances from the traced law, in its standard deviations.
+  Share share[std::size(kDepthModels)];
+  double distance[std::size(kDepthModels)];
+  double floor;  // the distance of two traced samples
   double flakes, seconds;
 };
 
@@ -116,14 +125,18 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
   found.flakes = flakes;
   const double spread = deviation(traced);
   found.floor = wasserstein(radiances(2, other_count, other).first, traced) / spread;
-  found.distance_attenuated = wasserstein(modelled(DepthModel::attenuated), traced) / spread;
-  found.distance_thinned = wasserstein(modelled(DepthModel::thinned), traced) / spread;
   found.count = count / (kSparklesPerPixel * pixels);
   found.deviation_of_mean =
       std::sqrt((found.traced.square - found.traced.mean * found.traced.mean) / count);
-  const double depth = expect(DepthModel::attenuated, scene.footprint).slant.y;
-  found.attenuated = {mean_transmittance(depth), mean_transmittance(2 * depth)};
-  found.thinned = {found.attenuated.mean, found.attenuated.mean};  // s is 0 or 1
+  for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
+    const DepthModel model = kDepthModels[i].second;
+    found.distance[i] = wasserstein(modelled(model), traced) / spread;
+    // Thinned has attenuated's mean, and s is 0 or 1.
+    const bool thinned = model == DepthModel::thinned;
+    const double depth = expect(thinned ? DepthModel::attenuated : model, scene.footprint).slant.y;
+    const double mean = mean_transmittance(depth);
+    found.share[i] = {mean, thinned ? mean : mean_transmittance(2 * depth)};
+  }
   return found;
 }
 

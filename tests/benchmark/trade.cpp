@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -378,12 +379,15 @@ void write_explicit(std::ostream& out, int pixels) {
     out << "{\"varied\": " << quoted(c.varied) << ", \"value\": " << c.value
         << ", \"count\": " << f.count << ", ";
     share("traced", f.traced);
-    share("attenuated", f.attenuated);
-    share("thinned", f.thinned);
-    out << "\"deviation_of_mean\": " << f.deviation_of_mean
-        << ", \"distance\": {\"attenuated\": " << f.distance_attenuated
-        << ", \"thinned\": " << f.distance_thinned << ", \"floor\": " << f.floor
-        << "}, \"flakes\": " << f.flakes << ", \"seconds\": " << f.seconds << '}';
+    for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
+      share(kDepthModels[i].first, f.share[i]);
+    }
+    out << "\"deviation_of_mean\": " << f.deviation_of_mean << ", \"distance\": {";
+    for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
+      out << quoted(kDepthModels[i].first) << ": " << f.distance[i] << ", ";
+    }
+    out << "\"floor\": " << f.floor << "}, \"flakes\": " << f.flakes
+        << ", \"seconds\": " << f.seconds << '}';
   });
 }
 
@@ -391,6 +395,7 @@ void write_explicit(std::ostream& out, int pixels) {
 constexpr std::pair<const char*, const char*> kHeldAgainstTraced[] = {
     {"all together", "as shipped"},
     {"all together", "everything exact, in double"},
+    {"depth", "attenuated"},
     {"depth", "thinned"},
     {"radiometry", "published"},
     {"sum over N", "N × mean sparkle"},

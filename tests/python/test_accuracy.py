@@ -45,7 +45,13 @@ def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str
         assert bars.Bar(**bar).holds
     names = [bar["name"] for bar in found]
     assert len(names) == len(set(names))
-    for part in ("choices that dominate what ships", "FLIP", "Wasserstein", "traced flakes"):
+    for part in (
+        "choices that dominate what ships",
+        "FLIP",
+        "Wasserstein",
+        "traced flakes",
+        "mean of correlated",
+    ):
         assert any(part in name for name in names), part
 
 

@@ -11,9 +11,20 @@ import numpy as np
 from common.figures import COLOUR, DARK, GREY, STYLE, save
 from matplotlib.axes import Axes
 
-from accuracy.results import EXACT, SUM, TOGETHER, Choice, Results, encoded, flip_map
+from accuracy.results import (
+    DEPTH_MODELS,
+    EXACT,
+    SUM,
+    TOGETHER,
+    Choice,
+    Results,
+    encoded,
+    flip_map,
+    fluctuation,
+)
 
 NONE = EXACT / 4  # where an error of nothing is drawn
+DEPTH_LINES = (("-", COLOUR), ("--", "C1"), (":", "C2"))
 PARTS = {"coverage": "coverage D·H·⟨S⟩"}
 
 
@@ -55,7 +66,7 @@ def _choices(results: Results, file: Path) -> None:
 
 
 def _against_traced(axes: Axes, results: Results) -> None:
-    """No front: the mean's error outweighs what tells the choices apart."""
+    """No front: noise hides what tells most of the choices apart."""
     traced, data = results.traced, results.data["traced"]
     once = results.shipped(TOGETHER).nanoseconds[data["scene"]]
     far = Choice(TOGETHER, "every flake traced", True, False, "own")
@@ -70,7 +81,7 @@ def _against_traced(axes: Axes, results: Results) -> None:
               transform=axes.get_yaxis_transform())  # fmt: skip
     _panel(
         axes,
-        f"against traced flakes, scene “{data['scene']}” (no front: the mean's error is all's)",
+        f"against traced flakes, scene “{data['scene']}”",
         points,
     )
 
@@ -160,38 +171,36 @@ def _depth(results: Results, file: Path) -> None:
     cases = results.data["explicit"]
     varied = list(dict.fromkeys(case["varied"] for case in cases))
     figure, grid = plt.subplots(
-        2, len(varied), figsize=(11.5, 6), layout="constrained", sharey="row"
+        3, len(varied), figsize=(11.5, 8.5), layout="constrained", sharey="row"
     )
     for column, what in enumerate(varied):
         of = [case for case in cases if case["varied"] == what]
         x = [case["value"] for case in of]
-        for row, quantity in enumerate((_mean_share, _fluctuation)):
-            axes = grid[row, column]
-            for model, line, colour in (("attenuated", "-", COLOUR), ("thinned", "--", "C1")):
-                axes.plot(
-                    x, [quantity(case[model]) for case in of], line, color=colour, label=model
-                )
-            axes.plot(x, [quantity(case["traced"]) for case in of], "o", color=DARK,
-                      label="traced flakes")  # fmt: skip
+        mean, spread, law = grid[:, column]
+        for model, (line, colour) in zip(DEPTH_MODELS, DEPTH_LINES, strict=True):
+            style = {"linestyle": line, "color": colour, "label": model}
+            mean.plot(x, [case[model]["mean"] for case in of], **style)
+            spread.plot(x, [fluctuation(case[model]) for case in of], **style)
+            law.plot(x, [case["distance"][model] for case in of], **style)
+        style = {"linestyle": "", "marker": "o", "color": DARK, "label": "traced flakes"}
+        mean.plot(x, [case["traced"]["mean"] for case in of], **style)
+        spread.plot(x, [fluctuation(case["traced"]) for case in of], **style)
+        style |= {"mfc": "none", "label": "traced flakes, other seed (noise)"}
+        law.plot(x, [case["distance"]["floor"] for case in of], **style)
+        for axes in (mean, spread, law):
             if "angle" not in what:
                 axes.set_xscale("log")
                 axes.set_xticks(x, [f"{v:g}" for v in x])
             axes.minorticks_off()
-        grid[1, column].set_xlabel(PARTS.get(what, what))
+        law.set_xlabel(PARTS.get(what, what))
     grid[0, 0].set_ylabel("mean share that the layer\nleaves of a sparkle, E[s]")
     grid[1, 0].set_ylabel("fluctuation by depth,\nE[s²]/E[s]²")
+    grid[2, 0].set_ylabel("distance of a pixel's law\nfrom the traced one, in σ")
     grid[0, 0].legend(loc="lower left")
+    grid[2, 0].legend(loc="upper left", fontsize=8)
     for axes in grid[0]:
         axes.set_ylim(0, 1.02)
     save(figure, file)
-
-
-def _mean_share(share: dict[str, float]) -> float:
-    return share["mean"]
-
-
-def _fluctuation(share: dict[str, float]) -> float:
-    return share["square"] / share["mean"] ** 2
 
 
 def _pictures(results: Results, file: Path) -> None:

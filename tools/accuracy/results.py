@@ -19,6 +19,9 @@ TOGETHER = "all together"
 # Not choices between ways to the same thing: the shader has float alone, ε is the paint's own, and
 # the last shows the sum of all.
 NOT_JUDGED = ("number type", "flake spread ε", TOGETHER)
+# The first ships; the others are the paper's.
+DEPTH_MODELS = ("correlated", "attenuated", "thinned")
+FLAKE_SIZE = "flake diameter over layer thickness"  # varied against traced flakes
 # No picture in float tells smaller relative errors from none.
 EXACT = 2.0**-24
 # Tables are made once for a picture of so many pixels.
@@ -186,6 +189,11 @@ class Results:
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)
         return not slower and max(differences) <= 0 and (faster or min(differences) < 0)
+
+
+def fluctuation(share: dict[str, float]) -> float:
+    """E[s^2]/E[s]^2 of what the layer leaves of a sparkle."""
+    return share["square"] / share["mean"] ** 2
 
 
 def _apart(reference: np.ndarray, picture: np.ndarray) -> tuple[float, float]:
