@@ -35,7 +35,7 @@ from .parameters import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 6  # of the group's interface: another layout, another version
+VERSION = 7  # of the group's interface: another layout or another range, another version
 OUTPUT = "BSDF"
 NORMAL, COAT_NORMAL, REST_POSITION = "Normal", "Coat Normal", "Rest Position"
 MODEL_SCALE = "Model Scale"
