@@ -159,11 +159,11 @@ STRIPS = {
     "depth-model": Strip(
         "silver-coarse",
         {
-            f"{kind}, {k} / mm": {
+            kind: {
                 "depth_model": kind, "layer_thickness_um": 200,
-                "binder_absorption_per_mm": (k, k / 2, 0),
+                "binder_absorption_per_mm": (20, 10, 0),
             }
-            for k in (0, 20) for kind in ("attenuated", "thinned", "correlated")
+            for kind in ("attenuated", "thinned", "correlated")
         },
         near=True,
     ),
