@@ -95,6 +95,12 @@ def extension(session: nox.Session, version: str) -> None:
 
 
 @nox.session
+def website(session: nox.Session) -> None:
+    """The documents and the site that is made of them."""
+    run_pytest(session, environments.WEBSITE)
+
+
+@nox.session
 def fuzz(session: nox.Session) -> None:
     run_pytest(session, environments.FUZZER)
 

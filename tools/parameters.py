@@ -591,10 +591,10 @@ def manual(table: Table, text: str) -> str:
         rows = [f"| {row.label} | {row.usual} | {row.manual} |"
                 for row in table.all if row.panel == panel]  # fmt: skip
         head = re.compile(
-            rf"(^### {panel}\n\n\|[^\n]*\n\| ---[^\n]*\n)((?:\|[^\n]*\n)*)", re.MULTILINE
+            rf"(^## {panel}\n\n\|[^\n]*\n\| ---[^\n]*\n)((?:\|[^\n]*\n)*)", re.MULTILINE
         )
         if not (found := head.search(text)):
-            raise TableError(f"docs/manual/README.md has no table under ### {panel}.")
+            raise TableError(f"{MANUAL} has no table under ## {panel}.")
         others = [
             line for line in found[2].splitlines() if line.split("|")[1].strip() not in labels
         ]
@@ -614,7 +614,7 @@ _FILES: dict[str, Callable[[Table], Iterator[str]]] = {
     "bindings/metallic_paint_core/_paint.pyi": stubs,
     "addon/metallic_paint/paint/table.py": addon,
 }
-MANUAL = "docs/manual/README.md"
+MANUAL = "docs/manual/parameters.md"
 
 
 def made(table: Table) -> dict[str, str]:
