@@ -113,7 +113,7 @@ def test_a_mesh_of_each_format_stands_in_the_studio(tmp_path: Path, suffix: str)
     spec = OpenImageIO.ImageBuf(str(out)).spec()
     assert (spec.channelnames, str(spec.format)) == (("R", "G", "B", "A"), "float")
     for part in ("Painting 1 object, 0.4 × 0.4 × 0.4 m", "100 %", "silver-coarse",
-                 "64 × 36 pixels", "1 samples", "light 3: ", str(out)):  # fmt: skip
+                 "64 × 36 pixels", "1 samples", "light 1: ", str(out)):  # fmt: skip
         assert part in said
     assert "Sample" not in said  # Cycles' own lines
 
@@ -156,7 +156,7 @@ def test_a_blend_without_camera_and_lights_gets_the_studio(tmp_path: Path) -> No
     said = rendered(file, "--out", out, "--object", "Right", *QUICK)
     assert_shows_something(out, (64, 36))
     assert "Painting 1 object" in said
-    assert "light 3: " in said
+    assert "light 1: " in said
 
 
 def test_the_demo_writes_one_picture_in_two_files(tmp_path: Path) -> None:

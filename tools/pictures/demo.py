@@ -14,7 +14,7 @@ blender_env.prepare()
 
 import bpy  # noqa: E402
 
-from pictures import demo_model, render_scene  # noqa: E402
+from pictures import demo_model, render_scene, studio  # noqa: E402
 
 PRESET = "deep-blue"
 
@@ -41,7 +41,8 @@ def main() -> None:
         render_scene.set_up(scene, arguments.samples, arguments.width, None)
         car = demo_model.build_car(scene)
         render_scene.paint_objects([car], paint)
-        demo_model.build_scene(scene, car)
+        studio.build(scene, car)
+        render_scene.denoise_all_but_sparkles(scene)
         render_scene.render(scene, files, arguments.preset)
         render_scene.say(f"{time.monotonic() - START:.0f} s in all")
 

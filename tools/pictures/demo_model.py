@@ -1,12 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The demo subject, a small coupé of the sixties in curves that show paint, and its studio.
+"""The demo's car: the body with glass, lamps, shut lines, trim and wheels.
 
-The body is the zero set of one smooth function of space, solid(): super-elliptic sections along
-splines, blended by a soft minimum, the wheel arches cut by a soft maximum. A grid finds the faces;
-then each vertex is moved onto the surface exactly and given the exact normal, so reflections are
-as smooth as the function. Glass, lamps and trim are outlines projected onto the same function.
-
-Metres; the nose points to +X, the left side to +Y, the ground is z = 0.
+All that lies on the body is a curve or a patch in a view from the side, from above or from the
+front, projected onto it.
 """
 
 from __future__ import annotations
@@ -15,356 +11,340 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from mathutils import Vector
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pictures import car_body
+from pictures.car_body import AXLES, WHEEL_RADIUS, projected
+from pictures.shapes import (
+    Array,
+    add_grid,
+    add_mesh,
+    lathe,
+    loft,
+    plain_material,
+    rounded,
+    smooth_curve,
+    unit,
+)
 
-HALF_LENGTH = 2.08
-AXLES = (1.27, -1.16)  # x of the front and rear wheels
-WHEEL_RADIUS = 0.315
-TRACK = 0.70  # y of a wheel's middle
-ARCH_RADIUS = 0.365
-ROOF = (0.45, 0.70, 0.93, 1.09, 1.20, 1.26, 1.27, 1.15, 0.80, 0.45)  # heights, rear to front
-CELL = 0.013  # of the grid that finds the body's faces
-
-
-# ---- The body as a function of space: negative inside, about the distance in metres ----
-
-
-def spline(x: Array, first: float, last: float, controls: Sequence[float]) -> Array:
-    """The uniform cubic B-spline with these controls at even steps of x: no wiggles, C2."""
-    c = np.array([2 * controls[0] - controls[1], *controls, 2 * controls[-1] - controls[-2]])
-    u = np.clip((x - first) / (last - first), 0, 1) * (len(controls) - 1)
-    i = np.minimum(u.astype(int), len(controls) - 2)
-    t = u - i
-    return (
-        c[i] * (1 - t) ** 3
-        + c[i + 1] * (3 * t**3 - 6 * t**2 + 4)
-        + c[i + 2] * (1 + 3 * (t + t**2 - t**3))
-        + c[i + 3] * t**3
-    ) / 6
-
-
-def norm(p: float, *terms: Array) -> Array:
-    """The p-norm, whose unit ball is a super-ellipsoid."""
-    return sum(np.abs(t) ** p for t in terms) ** (1 / p)
-
-
-def union(a: Array, b: Array, k: float) -> Array:
-    """The smooth minimum; k is about the radius of the fillet."""
-    return np.minimum(a, b) - k * np.log1p(np.exp(-np.abs(a - b) / k))
-
-
-def solid(x: Array, y: Array, z: Array) -> Array:
-    """The car's body with its greenhouse."""
-    y = np.sqrt(y * y + 1e-4)  # |y| without its kink
-    # Hull: from sill to waist.
-    half_width = spline(x, -2.1, 2.1, (0.66, 0.76, 0.80, 0.79, 0.79, 0.80, 0.76, 0.66))
-    top = spline(x, -2.1, 2.1, (0.62, 0.80, 0.89, 0.91, 0.91, 0.86, 0.76, 0.62))
-    middle = 0.50
-    height = np.where(z > middle, top - middle, 0.38)
-    section = norm(2.5, y / half_width, (z - middle) / height)
-    body = 0.5 * (norm(4.5, section, x / HALF_LENGTH) - 1)
-    # Fenders: the front ones carry the head lamps.
-    behind = np.where(x > 1.15, 0.83, 1.5)
-    front = norm(2.4, (x - 1.15) / behind, (y - 0.59) / 0.19, (z - 0.54) / 0.28)
-    rear = norm(2.4, (x + 1.12) / 0.95, (y - 0.58) / 0.25, (z - 0.56) / 0.27)
-    body = union(body, 0.2 * (front - 1), 0.03)
-    body = union(body, 0.2 * (rear - 1), 0.04)
-    # Greenhouse: a fastback.
-    roof = spline(x, -2.2, 1.2, ROOF)
-    half_width = spline(x, -2.2, 1.2, (0.36, 0.50, 0.58, 0.64, 0.67, 0.68, 0.67, 0.65, 0.62, 0.55))
-    house = norm(2.7, y / half_width, (z - 0.55) / np.maximum(roof - 0.55, 0.01))
-    house = norm(8, house, (x + 0.45) / 1.6)
-    body = union(body, 0.35 * (house - 1), 0.02)
-    # Floor and wheel arches with their lips.
-    body = -union(-body, z - 0.19, 0.012)
-    for axle in AXLES:
-        r = np.hypot(x - axle, z - WHEEL_RADIUS)
-        body = body - 0.018 * np.exp(-(((r - ARCH_RADIUS) / 0.05) ** 2))
-        well = -union(ARCH_RADIUS - r, y - 0.48, 0.01)
-        body = -union(-body, well, 0.006)
-    return body
-
-
-def gradient(p: Array) -> tuple[Array, Array]:
-    """Value and gradient of solid() at points (n, 3), from the corners of a tetrahedron."""
-    corners = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)])
-    h = 1e-4
-    values = np.array([solid(*(p + h * c).T) for c in corners])
-    return values.mean(0), values.T @ corners / (4 * h)
-
-
-def unit(v: Array) -> Array:
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
-
-
-def body_mesh() -> tuple[Array, Array]:
-    """Vertices and quads of solid()'s surface: surface nets, relaxed along the surface."""
-    ny = int(0.95 / CELL)
-    axes = (
-        np.arange(-2.2, 2.2, CELL),
-        np.arange(-ny, ny + 1) * CELL,
-        np.arange(0.1, 1.4, CELL),
-    )
-    half = solid(axes[0][:, None, None], axes[1][None, ny:, None], axes[2][None, None, :])
-    inside = np.concatenate([half[:, :0:-1], half], axis=1) < 0
-
-    # One vertex in each cell that has corners on both sides.
-    count = sum(
-        inside[i : i - 1 or None, j : j - 1 or None, k : k - 1 or None].astype(np.int8)
-        for i in (0, 1)
-        for j in (0, 1)
-        for k in (0, 1)
-    )
-    mixed = (count > 0) & (count < 8)
-    index = np.full(mixed.shape, -1)
-    index[mixed] = np.arange(mixed.sum())
-    points = np.stack([a[i] for a, i in zip(axes, np.nonzero(mixed), strict=True)], 1) + CELL / 2
-
-    # One quad across each grid edge whose ends differ.
-    quads = []
-    for axis in range(3):
-        s = np.moveaxis(inside, axis, 0)
-        n = np.moveaxis(index, axis, 0)
-        i, j, k = np.nonzero(s[1:] != s[:-1])
-        quad = np.stack([n[i, j - 1, k - 1], n[i, j, k - 1], n[i, j, k], n[i, j - 1, k]], 1)
-        flip = s[i, j, k] ^ (axis == 1)
-        quad[~flip] = quad[~flip, ::-1]
-        quads.append(quad)
-    faces = np.concatenate(quads)
-
-    for step in range(5):
-        if step:
-            total = np.zeros_like(points)
-            for a in range(4):
-                for d in range(3):
-                    total[:, d] += np.bincount(
-                        faces[:, a],
-                        points[faces[:, a - 1], d] + points[faces[:, a - 3], d],
-                        len(points),
-                    )
-            points = total / (2 * np.bincount(faces.ravel(), minlength=len(points))[:, None])
-        for _ in range(2):
-            value, g = gradient(points)
-            points = points - (value / (g * g).sum(1))[:, None] * g
-    return points, faces
-
-
-# ---- The car ----
+TRACK = (0.775, 0.785)  # y of the wheels' middles
+BELT = 0.935  # height of the side windows' lower edge
 
 
 def build_car(scene: bpy.types.Scene) -> bpy.types.Object:
-    """Adds the car, 4.2 m long, with glass, lamps and wheels; returns the body, unpainted."""
-    points, faces = body_mesh()
-    body = add_mesh(scene, "Body", points, faces, None)
-    body.data.normals_split_custom_set_from_vertices(unit(gradient(points)[1]))
-    glass = plain_material("Glass", (0.012, 0.013, 0.015), roughness=0.03)
-    lamp = plain_material("Lamp", (0.45, 0.45, 0.44), roughness=0.1, metallic=0.6)
-    rubber = plain_material("Rubber", (0.015, 0.015, 0.015), roughness=0.7)
-    chrome = plain_material("Chrome", (0.8, 0.8, 0.8), roughness=0.12, metallic=1)
-    for side in (1, -1):
-        add_window(scene, glass, side, 0.10, 0.40)
-        add_window(scene, glass, side, -0.76, 0.36)
-        add_patch(scene, "Head lamp", lamp, (side * 0.60, 0.575), (0.085, 0.085), 2, 1.75, 2.3)
-        add_patch(scene, "Tail lamp", lamp, (side * 0.55, 0.60), (0.10, 0.035), 3, -1.7, -2.3)
-        for axle in AXLES:
-            add_wheel(scene, Vector((axle, side * TRACK, WHEEL_RADIUS)), rubber, chrome)
-    add_patch(scene, "Windscreen", glass, (0, 1.045), (0.52, 0.115), 4, 0, 2.3)
-    add_patch(scene, "Rear window", glass, (0, 1.00), (0.40, 0.10), 4, 0, -2.3)
+    """Adds the car, 4.3 m long, with all its parts; returns the body, unpainted."""
+    points, faces, normals = car_body.mesh()
+    lined = car_body.in_lining(points)[faces].all(1)
+    body = None
+    for name, some in (("Lining", faces[lined]), ("Body", faces[~lined])):
+        used, some = np.unique(some, return_inverse=True)
+        body = add_mesh(scene, name, points[used], some.reshape(-1, 4), None)
+        body.data.normals_split_custom_set_from_vertices(normals[used])
+    parts = Parts(scene)
+    scene.objects["Lining"].data.materials.append(parts.black)
+    parts.add_glass()
+    parts.add_shut_lines()
+    parts.add_face()
+    parts.add_tail()
+    parts.add_trim()
+    for axle, track in zip(AXLES, TRACK, strict=True):
+        for side in (1, -1):
+            parts.add_wheel(axle, side * track)
     return body
 
 
-def add_mesh(
-    scene: bpy.types.Scene,
-    name: str,
-    points: Array,
-    faces: Array,
-    surface: bpy.types.Material | None,
-) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(faces), bool))
-    mesh.update()
-    if surface:
-        mesh.materials.append(surface)
-    item = bpy.data.objects.new(name, mesh)
-    scene.collection.objects.link(item)
-    return item
+class Parts:
+    """What is mounted on the body, each of one plain material."""
+
+    def __init__(self, scene: bpy.types.Scene) -> None:
+        self.scene = scene
+        self.glass = plain_material("Glass", (0.006, 0.007, 0.008), roughness=0.01)
+        self.black = plain_material("Black plastic", (0.006, 0.006, 0.006), roughness=0.4)
+        self.gap = plain_material("Gap", (0.0015, 0.0015, 0.0015), roughness=0.9)
+        self.chrome = plain_material("Chrome", (0.75, 0.76, 0.78), roughness=0.06, metallic=1)
+        self.alloy = plain_material("Alloy", (0.52, 0.53, 0.55), roughness=0.22, metallic=1)
+        self.steel = plain_material("Steel", (0.35, 0.34, 0.33), roughness=0.35, metallic=1)
+        self.rubber = plain_material("Rubber", (0.011, 0.011, 0.011), roughness=0.55)
+        self.caliper = plain_material("Caliper", (0.55, 0.02, 0.01), roughness=0.25)
+        self.light = plain_material("Daytime light", (0.9, 0.95, 1.0), roughness=0.3, glow=5)
+        self.lens = plain_material("Lens", (0.75, 0.82, 0.9), roughness=0.02, glow=0.6)
+        self.red = plain_material("Tail lamp", (0.35, 0.004, 0.004), roughness=0.05)
+        self.glow = plain_material("Tail light", (1.0, 0.03, 0.015), roughness=0.3, glow=2.5)
+
+    # ---- On the body ----
+
+    def strip(
+        self, name: str, line: Array, axis: int, near: float, far: float, width: float,
+        height: float, surface: bpy.types.Material, *, closed: bool = False,
+    ) -> None:  # fmt: skip
+        """A rounded strip along a line that is projected onto the body."""
+        line = projected(line, axis, near, far)
+        normal = unit(car_body.gradient(line, car_body.shell)[1])
+        if closed:
+            forward = np.roll(line, -1, 0) - np.roll(line, 1, 0)
+        else:
+            forward = np.gradient(line, axis=0)
+        across = unit(np.cross(forward, normal))
+        u = np.linspace(-1, 1, 7)[:, None, None]
+        grid = line + u * width / 2 * across + (0.0004 + height * (1 - u**4)) * normal
+        add_grid(self.scene, name, grid.swapaxes(0, 1), surface, closed=(closed, False))
+
+    def patch(
+        self, name: str, grid: Array, axis: int, near: float, far: float, lift: float,
+        surface: bpy.types.Material,
+    ) -> None:  # fmt: skip
+        """A grid of points projected onto the body, a little proud of it."""
+        add_grid(self.scene, name, projected(grid, axis, near, far, lift), surface)
+
+    def add_pane(
+        self, name: str, outline: Array, axis: int, near: float, far: float, trim: bool = False
+    ) -> None:
+        """Glass within an outline (n, 3) that runs there and back: its halves face one another."""
+        half = len(outline) // 2
+        there, back = outline[:half], outline[half:][::-1]
+        t = np.linspace(0, 1, 40)[None, :, None]
+        grid = there[:, None] * (1 - t) + back[:, None] * t
+        self.patch(name, grid, axis, near, far, 0.002, self.glass)
+        self.strip(f"{name} seal", outline, axis, near, far, 0.022, 0.004, self.black, closed=True)
+        if trim:
+            self.strip(
+                f"{name} trim", outline, axis, near, far, 0.010, 0.0065, self.chrome, closed=True
+            )
+
+    def add_glass(self) -> None:
+        for side in (1, -1):
+            line = smooth_curve(SIDE_WINDOW, 240, closed=True)
+            outline = np.stack([line[:, 0], 0 * line[:, 0], line[:, 1]], -1)
+            # Its halves meet at its ends.
+            first, last = np.argmax(line[:, 0]), np.argmin(line[:, 0])
+            outline = _from_end_to_end(outline, first, last)
+            self.add_pane("Window", outline, 1, 0, side * 1.2, trim=True)
+            pillar = smooth_curve([(-0.60, 0.90), (-0.66, 1.0), (-0.76, 1.16)], 30)
+            x, z = pillar.T
+            z = np.clip(z, BELT, None)
+            line = np.stack([x, 0 * x, z], -1)
+            self.strip("Pillar", line, 1, 0, side * 1.2, 0.045, 0.0035, self.black)
+        for name, corners in (("Windscreen", WINDSCREEN), ("Rear window", REAR_WINDOW)):
+            line = _rounded_outline(corners)
+            outline = np.stack([*line.T, 0 * line[:, 0]], -1)
+            self.add_pane(name, outline, 2, 0.75, 1.5)
+        # The scuttle: dark between bonnet and screen, with wipers.
+        y = np.linspace(-0.60, 0.60, 80)
+        line = np.stack([0.845 - 0.24 * y * y, y, 0 * y], -1)
+        self.strip("Scuttle", line, 2, 0.6, 1.5, 0.055, 0.003, self.black)
+        for start, end in ((-0.08, 0.42), (-0.52, -0.02)):
+            y = np.linspace(start, end, 30)
+            x = 0.775 - 0.24 * y * y - 0.05 * (y - start)
+            self.strip("Wiper", np.stack([x, y, 0 * y], -1), 2, 0.75, 1.5, 0.014, 0.016, self.black)
+
+    def add_shut_lines(self) -> None:
+        def line(
+            controls: Sequence[Sequence[float]], axis: int, near: float, far: float,
+            width: float = 0.0055, closed: bool = False,
+        ) -> None:  # fmt: skip
+            a, b = smooth_curve(controls, 200, closed=closed).T
+            columns = [[0 * a, a, b], [a, 0 * a, b], [a, b, 0 * a]][axis]
+            points = np.stack(columns, -1)
+            self.strip("Shut line", points, axis, near, far, width, 0.0003, self.gap, closed=closed)
+
+        for side in (1, -1):
+            line(DOOR, 1, 0, side * 1.3)
+            line(FUEL_FLAP if side > 0 else FUEL_FLAP[::-1], 1, 0, side * 1.3, 0.003, True)
+            line(FRONT_BUMPER, 1, 0, side * 1.3)
+            line(REAR_BUMPER, 1, 0, side * 1.3)
+            line([(x, side * y) for x, y in BONNET_SIDE], 2, 0.4, 1.5)
+            # The handle, flush in its recess.
+            x = np.linspace(-0.44, -0.27, 40)
+            handle = np.stack([x, 0 * x, 0.785 - 0.02 * x], -1)
+            self.strip("Recess", handle, 1, 0, side * 1.3, 0.036, 0.0006, self.gap)
+            self.strip("Handle", handle, 1, 0, side * 1.3, 0.020, 0.009, self.chrome)
+        line(BONNET_FRONT, 2, 0.3, 1.5)
+        line(BOOT, 2, 0.5, 1.5)
+
+    def add_face(self) -> None:
+        for side in (1, -1):
+            # A dark housing, a ring of light and two lenses under glass.
+            s, t = rounded(64, 2.4)
+            y, z = _slanted(side, s, t, 1.0)
+            self.patch("Head lamp", np.stack([0 * y, y, z], -1), 0, 1.2, 2.4, 0.002, self.glass)
+            angle = np.linspace(0, 2 * np.pi, 160, endpoint=False)
+            y, z = _slanted(side, np.cos(angle), np.sin(angle), 1.0)
+            ring = np.stack([0 * y, y, z], -1)
+            self.strip("Lamp's rim", ring, 0, 1.2, 2.4, 0.010, 0.004, self.black, closed=True)
+            bow = np.linspace(0.98, 1.92, 80) * np.pi
+            y, z = _slanted(side, np.cos(bow), np.sin(bow), 0.80)
+            line = np.stack([0 * y, y, z], -1)
+            self.strip("Daytime light", line, 0, 1.2, 2.4, 0.009, 0.005, self.light)
+            for s0 in (-0.36, 0.30):
+                for size, width, surface in (
+                    (0.036, 0.007, self.chrome),
+                    (0.012, 0.020, self.lens),
+                ):
+                    y, z = _slanted(side, s0 + 0 * angle, 0.12 + 0 * angle, 1)
+                    y, z = y + size * np.cos(angle), z + size * np.sin(angle)
+                    ring = np.stack([0 * y, y, z], -1)
+                    self.strip("Lens", ring, 0, 1.2, 2.4, width, 0.004, surface, closed=True)
+            # Side intake of the bumper.
+            s, t = rounded(48, 3)
+            grid = np.stack([0 * s, side * (0.655 + 0.095 * s), 0.325 + 0.055 * t + 0.02 * s], -1)
+            self.patch("Intake", grid, 0, 1.2, 2.4, 0.002, self.gap)
+        s, t = rounded(80, 4)
+        grid = np.stack([0 * s, 0.47 * s, 0.335 + t * (0.085 - 0.02 * s * s)], -1)
+        self.patch("Grille", grid, 0, 1.2, 2.4, 0.002, self.gap)
+        for dz in (-0.042, 0.0, 0.042):
+            y = np.linspace(-0.44, 0.44, 60)
+            z = 0.335 + dz * (1 - 0.25 * (y / 0.47) ** 2)
+            self.strip("Bar", np.stack([0 * y, y, z], -1), 0, 1.2, 2.4, 0.009, 0.006, self.black)
+        angle = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+        c, s = (np.sign(v) * np.abs(v) ** 0.5 for v in (np.cos(angle), np.sin(angle)))
+        rim = np.stack([0 * c, 0.47 * c, 0.335 + s * (0.085 - 0.02 * c * c)], -1)
+        self.strip("Grille's rim", rim, 0, 1.2, 2.4, 0.012, 0.005, self.black, closed=True)
+        y = np.linspace(-0.64, 0.64, 80)
+        lip = np.stack([0 * y, y, 0.198 + 0.012 * (y / 0.7) ** 2], -1)
+        self.strip("Splitter", lip, 0, 1.2, 2.4, 0.045, 0.030, self.black)
+        badge = np.stack([0 * angle, 0.030 * np.cos(angle), 0.55 + 0.030 * np.sin(angle)], -1)
+        self.strip("Badge", badge, 0, 1.2, 2.4, 0.006, 0.003, self.chrome, closed=True)
+
+    def add_tail(self) -> None:
+        y = np.linspace(-0.70, 0.70, 160)
+        band = np.stack([0 * y, y, 0.775 - 0.015 * (y / 0.7) ** 2], -1)
+        self.strip("Tail lamp", band, 0, -1.2, -2.4, 0.075, 0.008, self.red)
+        self.strip("Tail light", band, 0, -1.2, -2.4, 0.014, 0.0115, self.glow)
+        s, t = rounded(64, 5)
+        plate = np.stack([0 * s, 0.27 * s, 0.56 + 0.065 * t], -1)
+        self.patch("Plate", plate, 0, -1.2, -2.4, 0.002, self.black)
+        diffuser = np.stack([0 * s, 0.62 * s, 0.265 + 0.075 * t], -1)
+        self.patch("Diffuser", diffuser, 0, -1.2, -2.4, 0.002, self.black)
+        for side in (1, -1):
+            pipe = lathe([(0.030, -0.12), (0.036, -0.12), (0.043, 0.02), (0.040, 0.024),
+                          (0.036, 0.018), (0.034, -0.1), (0, -0.1)], 48)  # fmt: skip
+            pipe = np.stack([-pipe[..., 1], pipe[..., 0], pipe[..., 2]], -1)
+            pipe += np.array((-2.06, side * 0.47, 0.245))
+            add_grid(self.scene, "Exhaust", pipe, self.chrome, closed=(False, True))
+
+    def add_trim(self) -> None:
+        for side in (1, -1):
+            x = np.linspace(-0.86, 0.91, 120)
+            sill = np.stack([x, 0 * x, 0.195 + 0 * x], -1)
+            self.strip("Sill", sill, 1, 0, side * 1.3, 0.050, 0.016, self.black)
+            # The mirror's glass, and the lamp that blinks.
+            s, t = rounded(40, 2.6)
+            glass = np.stack([0 * s + 0.476, side * (0.905 + 0.080 * s), 0.985 + 0.044 * t], -1)
+            add_grid(self.scene, "Mirror", glass[:, ::side], self.chrome)
+
+    # ---- Wheels ----
+
+    def add_wheel(self, axle: float, track: float) -> None:
+        side = np.sign(track)
+
+        def add(name: str, grid: Array, surface: bpy.types.Material, closed: bool = True) -> None:
+            """In the wheel's own space: y outwards from its middle."""
+            grid = grid * (1, side, 1) + np.array((axle, track, WHEEL_RADIUS))
+            add_grid(self.scene, name, grid[::-1] if side > 0 else grid, surface,
+                     closed=(False, closed))  # fmt: skip
+
+        r, half = WHEEL_RADIUS, 0.118
+        tread = [(r - 0.004 * (u / 0.085) ** 4, u) for u in np.linspace(-0.085, 0.085, 9)]
+        wall = [(r - 0.013, half - 0.020), (r - 0.030, half - 0.006), (r - 0.050, half),
+                (r - 0.070, half - 0.004), (0.254, half - 0.013), (0.247, half - 0.02)]  # fmt: skip
+        profile = [*((q, -h) for q, h in wall[::-1]), *tread, *wall]
+        add("Tyre", lathe(_smoothed(profile, 90), 128), self.rubber)
+        lip = [(0.225, half - 0.045), (0.236, half - 0.030), (0.240, half - 0.014),
+               (0.246, half - 0.008), (0.252, half - 0.010), (0.252, half - 0.018)]  # fmt: skip
+        add("Rim", lathe(_smoothed(lip, 40), 128), self.alloy)
+        add("Barrel", lathe([(0.225, half - 0.045), (0.215, 0.0), (0.22, -0.1)], 96), self.steel)
+        disc = [(0.06, 0.012), (0.085, 0.012), (0.09, 0.0), (0.178, 0.0), (0.180, -0.004),
+                (0.180, -0.02), (0.09, -0.02)]  # fmt: skip
+        add("Brake disc", lathe(disc, 96), self.steel)
+        add("Well", lathe([(0.0, -0.03), (0.22, -0.03)], 48), self.gap)
+        angle = np.linspace(0.62, 1.25, 14) * np.pi + (0 if axle > 0 else -0.87 * np.pi)
+        arc = np.stack([0.150 * np.cos(angle), 0 * angle + 0.006, 0.150 * np.sin(angle)], -1)
+        add("Caliper", loft(arc, 14 * [0.062], 14 * [0.058], (0, 1, 0)), self.caliper)
+
+        # Five pairs of spokes, dished, from hub to rim.
+        q = np.linspace(0.045, 0.240, 16)
+        u = (q - q[0]) / (q[-1] - q[0])
+        for k in range(5):
+            for turn in (-1, 1):
+                angle = 2 * np.pi * k / 5 + turn * (0.13 + 0.085 * u) + 0.5 * np.pi
+                y = 0.060 + 0.040 * u**1.6
+                along = np.stack([q * np.cos(angle), y, q * np.sin(angle)], -1)
+                bar = loft(along, 0.036 - 0.008 * np.sin(np.pi * u), 0.032 - 0.006 * u, (0, 1, 0))
+                add("Spoke", bar, self.alloy)
+        hub = [(0.075, 0.02), (0.075, 0.055), (0.070, 0.066), (0.055, 0.070), (0.036, 0.071)]
+        add("Hub", lathe(_smoothed(hub, 30), 64), self.alloy)
+        cap = [(0.036, 0.069), (0.036, 0.076), (0.034, 0.080), (0.026, 0.082), (0.0, 0.0835)]
+        add("Hub cap", lathe(cap, 64), self.black)
+        add("Hub ring", lathe([(0.0365, 0.07), (0.0365, 0.079), (0.033, 0.081)], 64), self.chrome)
+        for k in range(5):
+            angle = 2 * np.pi * (k + 0.5) / 5 + 0.5 * np.pi
+            bolt = lathe([(0.0085, 0.06), (0.0085, 0.076), (0.006, 0.079), (0, 0.079)], 6)
+            place = np.array((0.055 * np.cos(angle), 0, 0.055 * np.sin(angle)))
+            add("Bolt", bolt + place, self.chrome)
 
 
-def add_projected(
-    scene: bpy.types.Scene, name: str, surface: bpy.types.Material, grid: Array, axis: int,
-    near: float, far: float,
-) -> None:  # fmt: skip
-    """A grid of points (n, m, 3), moved along an axis onto the body, 3 mm proud of it.
-
-    The surface is sought from near, a point within, to far, one without.
-    """
-    points = grid.reshape(-1, 3)
-    inside, outside = np.full(len(points), near), np.full(len(points), far)
-    for _ in range(40):
-        points[:, axis] = (inside + outside) / 2
-        within = solid(*points.T) < 0
-        inside = np.where(within, points[:, axis], inside)
-        outside = np.where(within, outside, points[:, axis])
-    points = points + 0.003 * unit(gradient(points)[1])
-    n, m = grid.shape[:2]
-    i = np.arange(n * m).reshape(n, m)
-    quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
-    add_mesh(scene, name, points, quads, surface)
+def _from_end_to_end(outline: Array, first: int, last: int) -> Array:
+    """The closed outline anew: as many points from its first end to its last as back."""
+    turned = np.roll(outline, -first, 0)
+    middle = (last - first) % len(outline)
+    n = len(outline) // 2
+    parts = (turned[: middle + 1], np.concatenate([turned[middle:], turned[:1]]))
+    halves = []
+    for part in parts:
+        way = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(part, axis=0), axis=1))])
+        at = np.linspace(0, way[-1], n + 1)
+        even = [np.interp(at, way, column) for column in part.T]
+        halves.append(np.stack(even, -1)[:-1])
+    return np.concatenate(halves)
 
 
-def rounded(n: int, power: float) -> tuple[Array, Array]:
-    """A grid over the super-ellipse |s|^p + |t|^p <= 1, denser where its outline is steep."""
-    s = np.sin(np.linspace(-1, 1, n) * np.pi / 2)
-    s, t = np.meshgrid(s, np.linspace(-1, 1, n // 2), indexing="ij")
-    return s, t * (1 - np.abs(s) ** power) ** (1 / power)
+def _rounded_outline(corners: Sequence[tuple[float, float]]) -> Array:
+    """The outline (x, y) through the corners of its left half, mirrored, from end to end."""
+    left = [*corners, *((x, -y) for x, y in corners[::-1])]
+    line = smooth_curve(left, 240, closed=True)
+    first, last = np.argmax(line[:, 1]), np.argmin(line[:, 1])
+    return _from_end_to_end(line, int(first), int(last))
 
 
-def add_patch(
-    scene: bpy.types.Scene,
-    name: str,
-    surface: bpy.types.Material,
-    centre: tuple[float, float],
-    radii: tuple[float, float],
-    power: float,
-    near: float,
-    far: float,
-) -> None:
-    """A rounded patch seen from the front or the rear: centre and radii in y and z."""
-    s, t = rounded(60, power)
-    grid = np.stack([0 * s, centre[0] + radii[0] * s, centre[1] + radii[1] * t], -1)
-    add_projected(scene, name, surface, grid, 0, near, far)
+def _slanted(side: int, s: Array, t: Array, scale: float) -> tuple[Array, Array]:
+    """y and z in the head lamp, an ellipse that rises outwards."""
+    return side * (0.66 + 0.125 * scale * s), 0.665 + scale * (0.068 * t + 0.035 * s)
 
 
-def add_window(
-    scene: bpy.types.Scene, glass: bpy.types.Material, side: int, middle: float, half: float
-) -> None:
-    """A side window between the waist and the roof's line."""
-    s, t = rounded(60, 5)
-    x = middle + half * s
-    roof = spline(x, -2.2, 1.2, ROOF) - 0.085
-    waist = 0.955
-    grid = np.stack([x, 0 * x, (roof + waist) / 2 + t * (roof - waist) / 2], -1)
-    add_projected(scene, "Window", glass, grid, 1, 0, side * 1.2)
+def _smoothed(profile: Sequence[tuple[float, float]], count: int) -> list[tuple[float, float]]:
+    return [tuple(p) for p in smooth_curve(profile, count)]
 
 
-def add_wheel(
-    scene: bpy.types.Scene, centre: Vector, rubber: bpy.types.Material, chrome: bpy.types.Material
-) -> None:
-    upright = (np.pi / 2, 0, 0)
-    bpy.ops.mesh.primitive_torus_add(
-        location=centre, rotation=upright, major_radius=WHEEL_RADIUS - 0.075, minor_radius=0.075,
-        major_segments=96, minor_segments=32,
-    )  # fmt: skip
-    tyre = bpy.context.object
-    bpy.ops.mesh.primitive_uv_sphere_add(
-        segments=64, ring_count=32, radius=1, location=centre, rotation=upright
-    )
-    hub = bpy.context.object
-    hub.scale = (0.18, 0.18, 0.07)
-    for item, surface in ((tyre, rubber), (hub, chrome)):
-        item.data.polygons.foreach_set("use_smooth", np.ones(len(item.data.polygons), bool))
-        item.data.materials.append(surface)
+# ---- Lines of the body, seen from the side (x, z) and from above (x, y) ----
 
-
-def plain_material(
-    name: str, colour: tuple[float, float, float], roughness: float, metallic: float = 0
-) -> bpy.types.Material:
-    surface = bpy.data.materials.new(name)
-    if surface.node_tree is None:
-        surface.use_nodes = True  # Blender 4.5
-    shader = surface.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*colour, 1)
-    shader.inputs["Roughness"].default_value = roughness
-    shader.inputs["Metallic"].default_value = metallic
-    return surface
-
-
-# ---- The studio ----
-
-
-def build_scene(scene: bpy.types.Scene, subject: bpy.types.Object) -> None:
-    """Puts a floor, a camera, a sun, a spot, a point light and a dim world around the subject.
-
-    Everything is measured from the subject's bounding box. Exposed for the Standard view.
-    """
-    bpy.context.view_layer.update()
-    corners = world_box(subject)
-    low, high = corners.min(0), corners.max(0)
-    lowest = min(world_box(item)[:, 2].min() for item in scene.objects if item.type == "MESH")
-    centre, radius = Vector((low + high) / 2), float(np.linalg.norm(high - low)) / 2
-
-    bpy.ops.mesh.primitive_circle_add(
-        vertices=128, radius=40 * radius, fill_type="NGON",
-        location=(centre.x, centre.y, lowest),
-    )  # fmt: skip
-    bpy.context.object.name = "Floor"
-    bpy.context.object.data.materials.append(
-        plain_material("Floor", (0.10, 0.10, 0.105), roughness=0.45)
-    )
-    add_camera(scene, centre, radius, corners)
-    irradiance = 3.0  # W/m² on the subject, from each
-    add_light(scene, "Sun", centre, radius, (0.62, -0.95, 1.1), irradiance)
-    add_light(scene, "Spot", centre, radius, (-0.8, -1.7, 1.5), irradiance)
-    add_light(scene, "Point", centre, radius, (1.7, 0.35, 1.0), 0.7 * irradiance)
-    world = bpy.data.worlds.new("Studio")
-    if world.node_tree is None:
-        world.use_nodes = True  # Blender 4.5
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.052, 0.056, 1)
-    scene.world = world
-
-
-def world_box(item: bpy.types.Object) -> Array:
-    """The corners (8, 3) of the object's bounding box in the world."""
-    return np.array([item.matrix_world @ Vector(corner) for corner in item.bound_box])
-
-
-def add_camera(scene: bpy.types.Scene, centre: Vector, radius: float, corners: Array) -> None:
-    """A three-quarter view from which the box fills the picture."""
-    data = bpy.data.cameras.new("Camera")
-    data.lens = 70
-    camera = bpy.data.objects.new("Camera", data)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
-    towards = Vector((0.78, -0.95, 0.42)).normalized()
-    camera.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
-    axes = np.array(camera.rotation_euler.to_matrix()).T
-    aspect = scene.render.resolution_y / scene.render.resolution_x
-    half = (
-        0.5
-        * data.sensor_width
-        / data.lens
-        * np.array([1, aspect] if aspect <= 1 else [1 / aspect, 1])
-    )
-    local = (corners - np.array(centre)) @ axes.T
-    # Each corner asks for a distance at which it lies within 90 % of the picture.
-    distance = max(float((np.abs(local[:, :2]) / (0.9 * half) + local[:, 2:]).max()), radius)
-    camera.location = centre + distance * towards
-    data.clip_start, data.clip_end = distance / 1000, distance * 1000
-
-
-def add_light(
-    scene: bpy.types.Scene,
-    kind: str,
-    centre: Vector,
-    radius: float,
-    offset: tuple[float, float, float],
-    irradiance: float,
-) -> None:
-    """A lamp that lights the subject's middle with that irradiance from an offset in its radii."""
-    data = bpy.data.lights.new(kind, kind.upper())
-    away = Vector(offset) * radius
-    if kind == "Sun":
-        data.energy, data.angle = irradiance, np.radians(0.53)
-    else:
-        data.energy = irradiance * 4 * np.pi * away.length_squared
-        data.shadow_soft_size = 0.006 * radius
-    if kind == "Spot":
-        data.spot_size, data.spot_blend = np.radians(50), 0.5
-    item = bpy.data.objects.new(kind, data)
-    item.location = centre + away
-    item.rotation_euler = away.to_track_quat("Z", "Y").to_euler()
-    scene.collection.objects.link(item)
+SIDE_WINDOW = (
+    (0.52, 0.928), (0.30, 0.925), (-0.10, 0.930), (-0.50, 0.935), (-0.90, 0.945), (-1.16, 0.955),
+    (-1.36, 0.985), (-1.22, 1.05), (-0.95, 1.135), (-0.65, 1.19), (-0.35, 1.213), (-0.10, 1.205),
+    (0.12, 1.15), (0.33, 1.055), (0.50, 0.970), (0.64, 0.920),
+)  # fmt: skip
+WINDSCREEN = (
+    (0.80, 0.10), (0.775, 0.30), (0.72, 0.46), (0.66, 0.555), (0.60, 0.575), (0.45, 0.550),
+    (0.25, 0.515), (0.03, 0.485), (-0.02, 0.44), (0.03, 0.30), (0.05, 0.10),
+)  # fmt: skip
+REAR_WINDOW = (
+    (-0.82, 0.10), (-0.80, 0.30), (-0.78, 0.43), (-0.84, 0.475), (-1.00, 0.46), (-1.25, 0.42),
+    (-1.50, 0.375), (-1.56, 0.32), (-1.58, 0.20), (-1.59, 0.10),
+)  # fmt: skip
+DOOR = (
+    (0.66, 0.925), (0.70, 0.80), (0.74, 0.60), (0.75, 0.42), (0.735, 0.29), (0.66, 0.255),
+    (0.50, 0.25), (0.10, 0.25), (-0.30, 0.25), (-0.42, 0.265), (-0.52, 0.35), (-0.60, 0.50),
+    (-0.65, 0.65), (-0.66, 0.80), (-0.64, 0.92),
+)  # fmt: skip
+FUEL_FLAP = tuple(
+    (-1.28 + 0.062 * np.cos(a), 0.80 + 0.055 * np.sin(a)) for a in np.arange(12) * np.pi / 6
+)
+FRONT_BUMPER = ((1.655, 0.42), (1.70, 0.50), (1.78, 0.575), (1.90, 0.60))
+REAR_BUMPER = ((-1.60, 0.44), (-1.66, 0.52), (-1.76, 0.60), (-1.95, 0.64))
+BONNET_SIDE = ((0.79, 0.70), (1.0, 0.665), (1.3, 0.60), (1.55, 0.55), (1.75, 0.50), (1.85, 0.43))
+BONNET_FRONT = (
+    (1.75, 0.50), (1.85, 0.43), (1.90, 0.33), (1.93, 0.15), (1.93, 0.0), (1.93, -0.15),
+    (1.90, -0.33), (1.85, -0.43), (1.75, -0.50),
+)  # fmt: skip
+BOOT = (
+    (-2.0, 0.56), (-1.85, 0.55), (-1.73, 0.52), (-1.66, 0.42), (-1.64, 0.20), (-1.64, 0.0),
+    (-1.64, -0.20), (-1.66, -0.42), (-1.73, -0.52), (-1.85, -0.55), (-2.0, -0.56),
+)  # fmt: skip

@@ -19,7 +19,7 @@ from mathutils import Vector  # noqa: E402
 from metallic_paint.paint import material  # noqa: E402
 
 from pictures import gallery_scenes as scenes  # noqa: E402
-from pictures import render_scene  # noqa: E402
+from pictures import render_scene, studio  # noqa: E402
 from pictures.render_scene import RenderError, say  # noqa: E402
 
 QUICK_SAMPLES = 4
@@ -27,21 +27,28 @@ MOST_BYTES = {"swatches": 490_000}  # a picture of the repository is small
 OTHERWISE_MOST = 290_000
 
 
-class Studio:
-    """How large and how well the shots are taken."""
+class Photographer:
+    """How large and how well the shots are taken.
 
-    def __init__(self, quick: bool, names: Sequence[str]) -> None:
+    Photographs are denoised but for their sparkles, and shown through AgX. Other pictures show
+    colours as they are, to be compared.
+    """
+
+    def __init__(self, quick: bool, names: Sequence[str], as_photographs: bool = True) -> None:
         self.quick = quick
         self.names = names
+        self.as_photographs = as_photographs
 
     def scene(self, width: int, height: int, samples: int, exposure: float = 0) -> bpy.types.Scene:
         if self.quick:
             width, height, samples = width // 2, height // 2, QUICK_SAMPLES
-        return scenes.empty_scene(width, height, samples, exposure)
+        return scenes.empty_scene(width, height, samples, exposure, self.as_photographs)
 
     def shoot(self, scene: bpy.types.Scene, what: str) -> np.ndarray:
         """The picture (h, w, 3) of 8 bits."""
         start = time.monotonic()
+        if self.as_photographs:
+            render_scene.denoise_all_but_sparkles(scene)
         render_scene.take(scene)
         file = Path(bpy.app.tempdir) / "shot.png"
         render_scene.save(scene, file)
@@ -52,16 +59,16 @@ class Studio:
 # ---- The pictures: each a list of rows of shots ----
 
 
-def swatches(studio: Studio) -> list[list[np.ndarray]]:
-    scene = studio.scene(280, 210, 36)
+def swatches(photographer: Photographer) -> list[list[np.ndarray]]:
+    scene = photographer.scene(280, 210, 36)
     things = scenes.swatch(scene)
-    render_scene.paint_objects(things, render_scene.load_paint(studio.names[0]))
+    render_scene.paint_objects(things, render_scene.load_paint(photographer.names[0]))
     label = scenes.add_label(scene, "")
     shots = []
-    for name in studio.names:
+    for name in photographer.names:
         material.apply(things[0].data.materials[0], render_scene.load_paint(name))
         label.data.body = name
-        shots.append(studio.shoot(scene, name))
+        shots.append(photographer.shoot(scene, name))
     columns = 6 if len(shots) > 12 else min(len(shots), 4)
     shots += [np.zeros_like(shots[0])] * (-len(shots) % columns)
     return [shots[i : i + columns] for i in range(0, len(shots), columns)]
@@ -71,13 +78,16 @@ TOWARDS_SUN = (0.62, -0.95, 1.1)
 
 
 def car(
-    studio: Studio, preset: str, light: Callable[[bpy.types.Scene], None], samples: int = 48
+    photographer: Photographer,
+    preset: str,
+    light: Callable[[bpy.types.Scene], None],
+    samples: int = 48,
 ) -> list[list[np.ndarray]]:
-    scene = studio.scene(800, 450, samples)
+    scene = photographer.scene(800, 450, samples)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     light(scene)
-    return [[studio.shoot(scene, preset)]]
+    return [[photographer.shoot(scene, preset)]]
 
 
 def sun(scene: bpy.types.Scene) -> None:
@@ -98,31 +108,26 @@ def surroundings(scene: bpy.types.Scene) -> None:
 
 
 def softboxes(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.10, roughness=0.3)
-    scenes.set_world(scene, 0.03)
-    # Large: the fewer of a flake's mirror directions meet a lamp, the more the picture is noise.
-    scenes.add_softbox(scene, (0, 0, 4.0), (0, 0, 0.7), (7.0, 3.5), 2.0)
-    scenes.add_softbox(scene, (6.0, -1.0, 2.0), (0.8, 0, 0.6), (3.0, 3.0), 2.0)
-    scenes.add_softbox(scene, (-2.5, -6.5, 2.4), (-0.6, 0, 0.6), (6.0, 2.4), 1.8)
+    studio.build(scene, scene.objects["Body"])
 
 
-def macro(studio: Studio) -> list[list[np.ndarray]]:
+def macro(photographer: Photographer) -> list[list[np.ndarray]]:
     shown = [
         ("silver-coarse", 12), ("green-purple", 12), ("glass-flake-black", 40), ("bass-boat", 60)
     ]  # fmt: skip
     shots = []
-    for preset, mm in shown[:2] if studio.quick else shown:
-        scene = studio.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
+    for preset, mm in shown[:2] if photographer.quick else shown:
+        scene = photographer.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
         ball = scenes.close_up(scene, mm * 1e-3)
         render_scene.paint_objects([ball], render_scene.load_paint(preset))
         scenes.add_label(scene, f"{preset}, {mm} mm")
-        shots.append(studio.shoot(scene, preset))
+        shots.append(photographer.shoot(scene, preset))
     return [shots]
 
 
-def distance(studio: Studio) -> list[list[np.ndarray]]:
+def distance(photographer: Photographer) -> list[list[np.ndarray]]:
     preset, enlarged = "silver-coarse", 8
-    scene = studio.scene(400, 300, 48)
+    scene = photographer.scene(400, 300, 48)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     sky(scene)
@@ -132,7 +137,7 @@ def distance(studio: Studio) -> list[list[np.ndarray]]:
     shots = []
     for metres in (1, 10, 100):
         camera = scenes.add_camera(scene, target + metres * away, target, 0.45 * metres)  # one lens
-        shot = studio.shoot(scene, f"{preset}, {metres} m")
+        shot = photographer.shoot(scene, f"{preset}, {metres} m")
         shots.append(_middle(shot, enlarged if metres == 100 else 1))
         bpy.data.objects.remove(camera)
     return [shots]
@@ -148,12 +153,12 @@ def _middle(shot: np.ndarray, scale: int) -> np.ndarray:
     return part.repeat(scale, axis=0).repeat(scale, axis=1)[:h, :w]
 
 
-PICTURES: dict[str, Callable[[Studio], list[list[np.ndarray]]]] = {
+PICTURES: dict[str, Callable[[Photographer], list[list[np.ndarray]]]] = {
     "swatches": swatches,
-    "car-sun": lambda studio: car(studio, "candy-red", sun),
-    "car-sky": lambda studio: car(studio, "silver-coarse", sky),
-    "car-surroundings": lambda studio: car(studio, "green-purple", surroundings),
-    "car-studio": lambda studio: car(studio, "deep-blue", softboxes, 128),
+    "car-sun": lambda photographer: car(photographer, "candy-red", sun),
+    "car-sky": lambda photographer: car(photographer, "silver-coarse", sky),
+    "car-surroundings": lambda photographer: car(photographer, "green-purple", surroundings),
+    "car-studio": lambda photographer: car(photographer, "deep-blue", softboxes, 128),
     "macro": macro,
     "distance": distance,
 }
@@ -179,7 +184,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     with render_scene.quiet():
-        rows = PICTURES[arguments.picture](Studio(arguments.quick, arguments.presets))
+        rows = PICTURES[arguments.picture](Photographer(arguments.quick, arguments.presets))
         picture = np.concatenate([np.concatenate(row, axis=1) for row in rows])
         write(picture, arguments.out, MOST_BYTES.get(arguments.picture, OTHERWISE_MOST))
 

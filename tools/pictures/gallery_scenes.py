@@ -14,19 +14,23 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from pictures import demo_model, render_scene
+from pictures import demo_model, render_scene, shapes, studio
 
 SUN_ANGLE = math.radians(0.53)
 COURTYARD_BALANCE = (1.0, 0.98, 0.9)  # its sky is blue
 SWATCH_WIDTH = 0.105  # of the picture, metres
 
 
-def empty_scene(width: int, height: int, samples: int, exposure: float = 0) -> bpy.types.Scene:
+def empty_scene(
+    width: int, height: int, samples: int, exposure: float = 0, as_photograph: bool = False
+) -> bpy.types.Scene:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     render_scene.set_up_studio(scene)
     render_scene.set_up(scene, samples, width, height)
     scene.cycles.max_bounces = 2  # floor and paint light each other once
+    if not as_photograph:  # colours as they are
+        scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     scene.view_settings.exposure = exposure
     return scene
 
@@ -68,7 +72,7 @@ def add_label(scene: bpy.types.Scene, text: str, *, plate: bool = False) -> bpy.
         corners = np.array(
             [(x, y, 0) for x, y in ((-half, low), (half, low), (half, high), (-half, high))]
         )
-        black = demo_model.add_mesh(scene, "Plate", corners, np.array([(0, 1, 2, 3)]), None)
+        black = shapes.add_mesh(scene, "Plate", corners, np.array([(0, 1, 2, 3)]), None)
         _fix_to_camera(scene, black, (0, bottom, -1.001 * near), 0)
     return label
 
@@ -103,20 +107,6 @@ def add_sun(
     data = bpy.data.lights.new("Sun", "SUN")
     data.energy, data.angle, data.color = irradiance, SUN_ANGLE, colour
     return _placed(scene, data, Vector(towards))
-
-
-def add_softbox(
-    scene: bpy.types.Scene, at: Sequence[float], target: Sequence[float],
-    size: tuple[float, float], radiance: float,
-) -> bpy.types.Object:  # fmt: skip
-    """A bright rectangle of that radiance, W/(m² sr), turned to the target."""
-    data = bpy.data.lights.new("Softbox", "AREA")
-    data.shape = "RECTANGLE"
-    data.size, data.size_y = size
-    data.energy = radiance * math.pi * size[0] * size[1]
-    item = _placed(scene, data, Vector(at) - Vector(target))
-    item.location = at
-    return item
 
 
 def _placed(scene: bpy.types.Scene, data: bpy.types.Light, towards: Vector) -> bpy.types.Object:
@@ -181,8 +171,8 @@ def _new_background(scene: bpy.types.Scene, strength: float) -> bpy.types.Shader
 def add_floor(scene: bpy.types.Scene, size: float, grey: float, roughness: float = 0.5) -> None:
     s = size / 2
     corners = np.array([(-s, -s, 0), (s, -s, 0), (s, s, 0), (-s, s, 0)])
-    surface = demo_model.plain_material("Floor", (grey, grey, 1.03 * grey), roughness)
-    demo_model.add_mesh(scene, "Floor", corners, np.array([(0, 1, 2, 3)]), surface)
+    surface = shapes.plain_material("Floor", (grey, grey, 1.03 * grey), roughness)
+    shapes.add_mesh(scene, "Floor", corners, np.array([(0, 1, 2, 3)]), surface)
 
 
 def add_ball(scene: bpy.types.Scene, at: Sequence[float], radius: float) -> bpy.types.Object:
@@ -196,14 +186,14 @@ def add_bent_panel(
     scene: bpy.types.Scene, width: float, height: float, radius: float, lean: float
 ) -> bpy.types.Object:
     """A tile of rounded outline, bent about the x axis; its middle looks `lean` above -y."""
-    s, t = demo_model.rounded(160, 6)
+    s, t = shapes.rounded(160, 6)
     angle = lean + t * height / (2 * radius)
     normal = np.stack([0 * s, -np.cos(angle), np.sin(angle)], -1)
     points = (radius * normal + np.stack([s * width / 2, 0 * s, 0 * s], -1)).reshape(-1, 3)
     n, m = s.shape
     i = np.arange(n * m).reshape(n, m)
     quads = np.stack([i[:-1, :-1], i[1:, :-1], i[1:, 1:], i[:-1, 1:]], -1).reshape(-1, 4)
-    panel = demo_model.add_mesh(scene, "Panel", points, quads, None)
+    panel = shapes.add_mesh(scene, "Panel", points, quads, None)
     panel.data.normals_split_custom_set_from_vertices(normal.reshape(-1, 3))
     return panel
 
@@ -245,10 +235,7 @@ def close_up(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
 def car(scene: bpy.types.Scene) -> bpy.types.Object:
     body = demo_model.build_car(scene)
     bpy.context.view_layer.update()
-    corners = demo_model.world_box(body)
-    low, high = corners.min(0), corners.max(0)
-    radius = float(np.linalg.norm(high - low)) / 2
-    demo_model.add_camera(scene, Vector((low + high) / 2), radius, corners)
+    studio.add_camera(scene, studio.world_box(body))
     return body
 
 

@@ -18,7 +18,7 @@ from metallic_paint.paint import material  # noqa: E402
 
 from pictures import gallery_scenes as scenes  # noqa: E402
 from pictures import render_scene  # noqa: E402
-from pictures.gallery_pictures import Studio, write  # noqa: E402
+from pictures.gallery_pictures import Photographer, write  # noqa: E402
 from pictures.manual import BESIDE, NEAR_MM, STRIPS, Strip  # noqa: E402
 
 PIXELS = 168  # along each side of a shot
@@ -29,8 +29,8 @@ MOST_BYTES = 59_000  # of a strip
 
 def shoot(strip: Strip) -> np.ndarray:
     """The shots side by side, (h, w, 3) of 8 bits."""
-    studio = Studio(quick=False, names=())
-    scene = studio.scene(PIXELS, PIXELS, SAMPLES, exposure=NEAR_EXPOSURE if strip.near else 0)
+    photographer = Photographer(quick=False, names=(), as_photographs=False)
+    scene = photographer.scene(PIXELS, PIXELS, SAMPLES, exposure=NEAR_EXPOSURE if strip.near else 0)
     scene.render.use_persistent_data = True  # the paint stays compiled
     ball = scenes.close_up(scene, NEAR_MM * 1e-3) if strip.near else scenes.small_swatch(scene)
     label = scenes.add_label(scene, "", plate=strip.near)
@@ -43,7 +43,7 @@ def shoot(strip: Strip) -> np.ndarray:
             ball[name] = values[name]
         ball.update_tag()
         label.data.body = words
-        pictures.append(studio.shoot(scene, words))
+        pictures.append(photographer.shoot(scene, words))
     return np.concatenate(pictures, axis=1)
 
 

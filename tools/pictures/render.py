@@ -17,7 +17,7 @@ import numpy as np  # noqa: E402
 from mathutils import Matrix, Vector  # noqa: E402
 from metallic_paint.paint import presets  # noqa: E402
 
-from pictures import demo_model, render_scene  # noqa: E402
+from pictures import render_scene, studio  # noqa: E402
 from pictures.render_scene import RenderError, say  # noqa: E402
 
 SMOOTH_BELOW = math.radians(30)  # the angle between faces of a mesh that has no normals
@@ -46,6 +46,7 @@ def main() -> None:
         render_scene.set_up(scene, arguments.samples, arguments.width, arguments.height)
         if in_studio:
             add_studio(scene, low, high)
+            render_scene.denoise_all_but_sparkles(scene)
         render_scene.render(scene, [arguments.out], arguments.paint)
 
 
@@ -203,7 +204,7 @@ def has_camera_and_lights(scene: bpy.types.Scene) -> bool:
 
 
 def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
-    """The demo's camera, lights, ground and world, around the box.
+    """The demo's camera, lights, floor and backdrop, around the box.
 
     The ground lies a little lower than the box: a flat model would lie in it.
     """
@@ -213,7 +214,7 @@ def add_studio(scene: bpy.types.Scene, low: Vector, high: Vector) -> None:
     box = bpy.data.objects.new("Box", mesh)
     scene.collection.objects.link(box)
     bpy.context.view_layer.update()
-    demo_model.build_scene(scene, box)
+    studio.build(scene, box)
     bpy.data.objects.remove(box)
 
 

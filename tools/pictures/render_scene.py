@@ -27,6 +27,7 @@ import numpy as np
 import OpenImageIO
 from common import blender_env, files
 from common.processes import is_outermost
+from metallic_paint import denoise
 from metallic_paint.paint import Paint, material, presets
 from metallic_paint.scene import needs
 
@@ -38,7 +39,7 @@ LOG_LINES = 25
 
 STUDIO_SIZE = (960, 540)
 STUDIO_SAMPLES = 32
-VIEW_TRANSFORM = "Standard"
+VIEW_TRANSFORM, LOOK = "AgX", "AgX - Medium High Contrast"  # as a camera's film takes bright light
 
 _console: IO[str] = sys.stdout
 
@@ -208,6 +209,12 @@ def set_up_studio(scene: bpy.types.Scene) -> None:
     scene.cycles.sample_clamp_indirect = 1  # sparkles that the floor mirrors would be fireflies
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.view_settings.view_transform = VIEW_TRANSFORM
+    scene.view_settings.look = LOOK
+
+
+def denoise_all_but_sparkles(scene: bpy.types.Scene) -> None:
+    """As the add-on's button does. The scene has no compositing of its own."""
+    denoise.set_up(scene)
 
 
 def size(scene: bpy.types.Scene) -> tuple[int, int]:
