@@ -59,7 +59,7 @@ def menu() -> list[dict]:
     """MkDocs' nav: the manual's pages are called by their own headings."""
     return [
         {"What it is": HOME},
-        {"Manual": manual_pages()},
+        {"Manual": [{"Overview": MANUAL}, *manual_pages()[1:]]},
         *({head: [{name: page} for name, page in pages.items()]} for head, pages in PAGES.items()),
     ]
 
