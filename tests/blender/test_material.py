@@ -70,7 +70,7 @@ def probe(body: str) -> str:
         parameters += [f"float {kind} = 0", f"vector {vector} = 0", f"float {size} = 0"]
     return (
         f"shader metallic_paint({', '.join(parameters)},\n"
-        "output closure color BSDF = 0)\n"
+        "output float Rendered = 1, output closure color BSDF = 0)\n"
         f"{{ color value = 0; {body} BSDF = value * emission(); }}\n"
     )
 
@@ -191,7 +191,7 @@ def test_panels_stand_in_order_and_further_flakes_are_closed() -> None:
 def test_the_paint_that_ships_shows_no_inner_values() -> None:
     group = material.node_group()
     (script,) = (node for node in group.nodes if node.type == "SCRIPT")
-    assert [socket.name for socket in script.outputs] == ["BSDF"]
+    assert [socket.name for socket in script.outputs] == ["Rendered", "BSDF"]
     for tree_or_node in (interface(), script.inputs.keys()):
         assert not [name for name in tree_or_node if name.startswith("Diagn") or name == "Shown"]
 

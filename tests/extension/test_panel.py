@@ -116,7 +116,7 @@ def test_panel_says_where_the_paint_shows(
             scene=bpy.context.scene, object=cube,
         )  # fmt: skip
         texts = drawn(bpy.types.MATERIAL_PT_metallic_paint, context).texts
-        return "The paint shows in the Rendered view only." in texts
+        return "A preview without sparkles: they show in Rendered view." in texts
 
     bpy.ops.scene.metallic_paint_use_osl()
     assert not shown("SOLID")

@@ -51,6 +51,7 @@ VARYING = {
     "bpy.types.Image.pixels",
     "bpy.types.Object.data",
     "bpy.types.RenderSettings.engine",
+    "bpy.types.bpy_struct.id_data",
 }
 
 # Methods that return an object of the class that one of their arguments names.

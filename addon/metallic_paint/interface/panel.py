@@ -59,7 +59,7 @@ class _PaintPanel:
             if material.has_osl():
                 box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
         elif operators.paint_node(context) is not None and not _shows_in(context.screen):
-            draw_lines(layout, "The paint shows in the Rendered view only.", "INFO")
+            draw_lines(layout, "A preview without sparkles: they show in Rendered view.", "INFO")
         if migration.has_outdated():
             box = layout.box()
             draw_lines(box, "This file holds paints of an older version.", "INFO")

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ..scene import carrier, lights
-from . import animation, shader
+from . import animation, preview, shader
 from .parameters import (
     BINDER,
     FLAKES,
@@ -35,7 +35,7 @@ from .parameters import (
 )
 
 NAME = "Metallic Paint"
-VERSION = 7  # of the group's interface: another layout or another range, another version
+VERSION = 8  # of the group's interface: another layout or another range, another version
 OUTPUT = "BSDF"
 NORMAL, COAT_NORMAL, REST_POSITION = "Normal", "Coat Normal", "Rest Position"
 MODEL_SCALE = "Model Scale"
@@ -43,6 +43,7 @@ NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
+_PREVIEW = "a preview without sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 WITHIN_GROUP = "The paint stands within a node group"
 LINKED = "The {} is linked from another file and cannot be changed"
@@ -297,18 +298,18 @@ def has_osl() -> bool:
 def missing(scene: bpy.types.Scene) -> str:
     """What the scene lacks to show a paint, in a sentence; empty if it renders with OSL."""
     if not has_osl():
-        return NO_OSL
+        return f"{NO_OSL} It shows {_PREVIEW}."
     if scene.render.engine != "CYCLES":
-        return "The scene does not render with Cycles: the paint shows in Cycles only."
+        return f"The scene does not render with Cycles: the paint shows {_PREVIEW}."
     if not scene.cycles.shading_system:
-        return "Open Shading Language is off in this scene: the paint renders black."
+        return f"Open Shading Language is off in this scene: the paint shows {_PREVIEW}."
     device = gpu(scene)
     if device == "OPTIX":
         return "The scene renders on the GPU by OptiX: the paint is tested on the CPU only."
     if device != "NONE":
         return (
             f"The scene renders on the GPU by {_GPUS.get(device, device)}, which has no Open "
-            "Shading Language: only the CPU and OptiX have."
+            f"Shading Language, as the CPU and OptiX have: the paint shows {_PREVIEW}."
         )
     return ""
 
@@ -411,7 +412,7 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     }  # fmt: skip
     for slot in range(1, lights.SLOTS + 1):
         expected.update(lights.slot_names(slot))
-    expected.add(OUTPUT)
+    expected |= {preview.RENDERED, OUTPUT}
     found = {socket.identifier for socket in (*script.inputs, *script.outputs)}
     if missing := sorted(expected - found):
         raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
@@ -431,7 +432,6 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
     script_inputs = {socket.identifier: socket for socket in script.inputs}
 
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
-    group.links.new(script.outputs[OUTPUT], out.inputs[OUTPUT])
     panels = {
         name: group.interface.new_panel(
             name, description=_PANEL_DESCRIPTIONS[name], default_closed=name in _SHUT
@@ -460,6 +460,8 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
         group.links.new(inside.outputs[label], script_inputs[name])
     _add_model_scale(group, panels[SPARKLE])
     _wire_lights(group, script_inputs, inside)
+    shown = preview.mix_with(group, inside, script, OUTPUT)
+    group.links.new(shown, out.inputs[OUTPUT])
 
 
 def _add_parameter(

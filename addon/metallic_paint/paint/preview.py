@@ -1,0 +1,498 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the paint shows where no shader runs: in EEVEE, Material Preview, and Cycles without OSL.
+
+The shader's output Rendered is 1 where it runs and 0 where none does. It mixes the shader with a
+preview of ordinary nodes, in the same group and of the same sockets. That is the paint's mean by
+the angle of view: the coat's highlight, a rough reflection of the flakes, and what leaves the paint
+after several turns as a matt ground. Sparkles are left out.
+
+Where the shader runs, OSL knows Rendered for 1 and drops the preview.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import shader
+from .parameters import COATINGS, PARAMETERS
+
+RENDERED = "Rendered"  # the shader's output
+LABEL = "Preview without Open Shading Language"
+TABLE = "Metallic Paint Coatings"  # an image
+
+# Of the library of coatings (core/coating.h): so many angles in a row, and rows of a pearl.
+_NODES, _ROWS, _NM_PER_ROW = 13, 41, 5
+_FIRST_PEARL = COATINGS.index("tio2-on-mica")
+_FIRST_IRON = COATINGS.index("fe2o3-on-mica")
+_LAST_IRON = COATINGS.index("fe2o3-on-silica")  # of those that let light through
+_TRANSMITTANCES = (len(COATINGS) - _FIRST_IRON) * _ROWS  # so many rows above the reflectances
+
+_SPECIES = ("", "second.", "third.")
+_RAYLEIGH = 16.7551608  # core/layer.h
+
+# Fitted to the core's albedo of the presets and of random paints: how the mirrored directions of
+# tilted flakes lie about the critical angle, how far the ways there and back lie apart, and what
+# the long tail of GGX adds to the square of a slope.
+_OUTWARDS, _FLANK, _APART, _GGX_TAIL = 0.9, 1.3, 1.5, 2.0
+
+
+class Value:
+    """A number or a vector within a node tree; arithmetic with it makes nodes.
+
+    Vectors are colours, directions, or one number for each of the three species. A number beside a
+    vector counts for each of its parts. What is divided by 0 is 0.
+    """
+
+    def __init__(self, socket: bpy.types.NodeSocket) -> None:
+        self.socket = socket
+        self.is_vector = socket.type in ("VECTOR", "RGBA")
+
+    def __add__(self, other: Value | float) -> Value:
+        return _arithmetic("ADD", self, other)
+
+    def __radd__(self, other: float) -> Value:
+        return _arithmetic("ADD", other, self)
+
+    def __sub__(self, other: Value | float) -> Value:
+        return _arithmetic("SUBTRACT", self, other)
+
+    def __rsub__(self, other: float) -> Value:
+        return _arithmetic("SUBTRACT", other, self)
+
+    def __mul__(self, other: Value | float) -> Value:
+        return _arithmetic("MULTIPLY", self, other)
+
+    def __rmul__(self, other: float) -> Value:
+        return _arithmetic("MULTIPLY", self, other)
+
+    def __truediv__(self, other: Value | float) -> Value:
+        return _arithmetic("DIVIDE", self, other)
+
+    def __rtruediv__(self, other: float) -> Value:
+        return _arithmetic("DIVIDE", other, self)
+
+    def __abs__(self) -> Value:
+        return _arithmetic("ABSOLUTE", self)
+
+    def least(self, other: Value | float) -> Value:
+        return _arithmetic("MINIMUM", self, other)
+
+    def most(self, other: Value | float) -> Value:
+        return _arithmetic("MAXIMUM", self, other)
+
+    def cut(self) -> Value:
+        """Within 0 and 1."""
+        return self.most(0.0).least(1.0)
+
+    def power(self, exponent: float) -> Value:
+        """Of no negative number."""
+        return _arithmetic("POWER", self, exponent)
+
+    def root(self) -> Value:
+        """0 of a negative number."""
+        return self.most(0.0).power(0.5)
+
+    def decay(self) -> Value:
+        """exp(-x)."""
+        return _arithmetic("POWER", 0.36787944, self)
+
+    def function(self, operation: str) -> Value:
+        """Of a Math node."""
+        return _arithmetic(operation, self)
+
+    def above(self, number: int) -> Value:
+        """Of whole numbers: 1 where they are greater, else 0."""
+        return (self - float(number)).cut()
+
+    def equal(self, number: int) -> Value:
+        """Of whole numbers likewise."""
+        return (1.0 - abs(self - float(number))).most(0.0)
+
+    def dot(self, other: Value | float) -> Value:
+        return _arithmetic("DOT_PRODUCT", self, other)
+
+    def unit(self) -> Value:
+        return _arithmetic("NORMALIZE", self)
+
+    def parts(self) -> list[Value]:
+        node = self.socket.id_data.nodes.new("ShaderNodeSeparateXYZ")
+        _fill(node.inputs[0], self)
+        return [Value(each) for each in node.outputs]
+
+
+def vector(*parts: Value | float) -> Value:
+    [tree, *_] = (each.socket.id_data for each in parts if isinstance(each, Value))
+    node = tree.nodes.new("ShaderNodeCombineXYZ")
+    for socket, part in zip(node.inputs, parts, strict=True):
+        _fill(socket, part)
+    return Value(node.outputs[0])
+
+
+def _arithmetic(operation: str, *operands: Value | float) -> Value:
+    [tree, *_] = (each.socket.id_data for each in operands if isinstance(each, Value))
+    vectors = [each for each in operands if isinstance(each, Value) and each.is_vector]
+    node = tree.nodes.new("ShaderNodeVectorMath" if vectors else "ShaderNodeMath")
+    if operation == "MULTIPLY" and len(vectors) == 1:
+        [number] = (each for each in operands if each is not vectors[0])
+        operation, operands = "SCALE", (vectors[0], number)
+    node.operation, node.hide = operation, True
+    inputs = (each for each in node.inputs if each.enabled)
+    for socket, operand in zip(inputs, operands, strict=False):
+        _fill(socket, operand)
+    return Value(next(each for each in node.outputs if each.enabled))
+
+
+def _fill(socket: bpy.types.NodeSocket, operand: Value | float) -> None:
+    if isinstance(operand, Value):
+        socket.id_data.links.new(operand.socket, socket)
+    else:
+        socket.default_value = (operand,) * 3 if socket.type == "VECTOR" else operand
+
+
+def mix_with(
+    group: bpy.types.ShaderNodeTree,
+    inside: bpy.types.Node,
+    script: bpy.types.ShaderNodeScript,
+    output: str,
+) -> bpy.types.NodeSocket:
+    """The shader where it runs, elsewhere the preview, whose nodes this adds to the group."""
+    there = list(group.nodes)
+    previewed = _preview(_Sockets(inside))
+    frame = group.nodes.new("NodeFrame")
+    frame.label = LABEL
+    for number, node in enumerate([each for each in group.nodes if each not in there]):
+        if node != frame:
+            node.parent = frame
+            node.location = number // 30 * 180, -1200 - number % 30 * 45
+    mix = group.nodes.new("ShaderNodeMixShader")
+    mix.location = 200, 0
+    mix.inputs[0].default_value = 0  # Cycles without OSL leaves the shader out, with its link
+    sources = script.outputs[RENDERED], previewed, script.outputs[output]
+    for source, target in zip(sources, mix.inputs, strict=True):
+        group.links.new(source, target)
+    return mix.outputs[0]
+
+
+class _Sockets:
+    """The paint's values as the group's sockets give them."""
+
+    def __init__(self, inside: bpy.types.Node) -> None:
+        self.inside = inside
+
+    def __getitem__(self, field: str) -> Value:
+        return Value(self.inside.outputs[PARAMETERS[field].label])
+
+    def of_species(self, field: str) -> Value:
+        """A number of each species."""
+        return vector(*(self[prefix + field] for prefix in _SPECIES))
+
+    def direction(self, label: str, otherwise: Value) -> Value:
+        """An unconnected socket is (0, 0, 0)."""
+        given = Value(self.inside.outputs[label])
+        is_given = given.dot(given).function("SIGN")
+        return (given + otherwise * (1.0 - is_given)).unit()
+
+
+def _preview(sockets: _Sockets) -> bpy.types.NodeSocket:
+    """The shader of flakes, ground and coat."""
+    geometry = sockets.inside.id_data.nodes.new("ShaderNodeNewGeometry")
+    normal = sockets.direction("Normal", Value(geometry.outputs["Normal"]))
+    coat_normal = sockets.direction("Coat Normal", normal)
+    cos_view = abs(normal.dot(Value(geometry.outputs["Incoming"]))).cut()
+    eta = sockets["binder_ior"].most(0.1)
+    # Snell's law: the cosine within the binder.
+    cos_in = (1.0 - (1.0 - cos_view * cos_view) / (eta * eta)).most(1e-4).root()
+
+    flakes = _flakes(sockets, eta)
+    layer = _layer(sockets, flakes, cos_in)
+    glossy, matt = _scattered(layer, _surface(eta, cos_in, flakes.slope2), sockets)
+
+    roughness = sockets["coat_roughness"].cut()
+    reflected = _coat_reflectance(cos_view, roughness, eta)
+    entered = 1.0 - reflected
+    # A facet of the surface must turn eta times as far as a flake below it. Blender's roughness is
+    # the root of alpha.
+    wide = (eta * eta * (flakes.slope2 + flakes.blur2)).power(0.25).least(1.0)
+    return _add(
+        _glossy((glossy * entered).cut(), normal, wide),
+        _lobe("ShaderNodeBsdfDiffuse", (matt * entered).cut(), normal),
+        _glossy(reflected, coat_normal, roughness),
+    )
+
+
+def _glossy(albedo: Value, normal: Value, roughness: Value) -> bpy.types.NodeSocket:
+    # Facets meet light several times, each time with their colour c: of the share E that leaves the
+    # first one, the albedo is c E/(1 - c (1 - E)). E of GGX, measured in Cycles: within 0.03 up to
+    # alpha 0.7.
+    square = roughness * roughness
+    first = 1.0 / (1.0 + 1.8 * square * square)
+    return _lobe(
+        "ShaderNodeBsdfGlossy", albedo / (first + albedo * (1.0 - first)), normal, roughness
+    )
+
+
+def _lobe(
+    kind: str, color: Value, normal: Value, roughness: Value | None = None
+) -> bpy.types.NodeSocket:
+    node = color.socket.id_data.nodes.new(kind)
+    _fill(node.inputs["Color"], color)
+    _fill(node.inputs["Normal"], normal)
+    if roughness is not None:
+        _fill(node.inputs["Roughness"], roughness)
+    return node.outputs[0]
+
+
+def _add(*shaders: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    total, *more = shaders
+    for each in more:
+        node = each.id_data.nodes.new("ShaderNodeAddShader")
+        each.id_data.links.new(total, node.inputs[0])
+        each.id_data.links.new(each, node.inputs[1])
+        total = node.outputs[0]
+    return total
+
+
+# --- flakes ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Flakes:
+    """Of all species, as vectors over them where there is one for each; means by coverage."""
+
+    met: Value  # by light that crosses the layer
+    cosine: Value  # at which light meets a flake, per cosine of the light
+    slope2: Value  # mean square of the tilts
+    blur2: Value  # the same of what else widens the reflection
+    diameter: Value
+
+
+def _flakes(sockets: _Sockets, eta: Value) -> _Flakes:
+    diameter = sockets.of_species("flake_diameter_um").most(1e-3)
+    spread = sockets.of_species("flake_area_spread")
+    # E[max(0, 1 + s w)] of a normal w is near the hyperbola that has its asymptote (4 %).
+    mean_area = 0.5 + 0.5 * (1.0 + 0.63661977 * spread * spread).root()
+    coverage = sockets.of_species("flakes_per_mm2").most(0.0) * (
+        0.785398163e-6 * diameter * diameter * mean_area
+    )
+    tilt = sockets.of_species("tilt").most(1e-6)
+    orientation = sockets.of_species("orientation")
+    gaussian, ggx = orientation.equal(0), orientation.equal(2)
+    slope2 = tilt * tilt * (1.0 + gaussian)
+    # core/orientation.h has the mean cosine exactly.
+    mean_cos = 1.0 / (1.0 + 0.5 * slope2 * (1.0 - ggx) + tilt.power(1.65) * ggx)
+    # Waves and the edge spread the light of a flake: half as far turns a mirror.
+    wave = sockets.of_species("flake_spread")
+    edge = sockets["diffraction"] * 0.350140875 / eta / diameter
+    covered = coverage.dot(1.0).most(1e-6)
+    return _Flakes(
+        met=coverage * mean_cos,
+        cosine=(1.0 - 0.5 * slope2).most(0.0),
+        slope2=coverage.dot(slope2 * (1.0 + (_GGX_TAIL - 1.0) * ggx)) / covered,
+        blur2=coverage.dot(0.25 * (wave * wave + edge * edge)) / covered,
+        diameter=coverage.dot(diameter) / covered,
+    )
+
+
+def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Value]]:
+    """Reflectance and transmittance of each species' flakes: core/coating.h."""
+    kind = sockets.of_species("coating")
+    is_pearl = kind.above(_FIRST_PEARL - 1)
+    is_iron = kind.above(_FIRST_IRON - 1) * (1.0 - kind.above(_LAST_IRON))
+    is_titania = is_pearl * (1.0 - kind.above(_FIRST_IRON - 1))
+    nm = sockets.of_species("coating_nm") * (1 / _NM_PER_ROW)
+    row = kind - 1.0 + is_pearl * (
+        (_ROWS - 1.0) * (kind - float(_FIRST_PEARL)) + nm.most(0.0).least(_ROWS - 1.0)
+    )  # fmt: skip
+    node = (6.0 * cos_alpha).most(24.0 * cos_alpha - 12.0)
+    schlick = (1.0 - cos_alpha).power(5.0)
+    each_species = zip(
+        _SPECIES,
+        *(each.parts() for each in (kind.equal(0), is_iron, is_titania, row, node, schlick)),
+        strict=True,
+    )
+    for prefix, own, iron, titania, at_row, at_node, at_edge in each_species:
+        through = sockets[prefix + "flake_transmission"].cut()
+        face = sockets[prefix + "flake_color"].least(1.0 - through)
+        edge = sockets[prefix + "flake_edge_color"].least(1.0 - through)
+        measured = _in_table(at_node, at_row)
+        passed = _in_table(at_node, at_row + float(_TRANSMITTANCES))
+        yield (
+            (face + (edge - face) * at_edge) * own + measured * (1.0 - own),
+            through * own + passed * iron + (1.0 - measured) * titania,
+        )
+
+
+def _in_table(node: Value, row: Value) -> Value:
+    """core/coating.h's library, which an image holds and interpolates."""
+    image = coating_table()
+    width, height = image.size
+    place = vector((node + 0.5) * (1 / width), (row + 0.5) * (1 / height), 0.0)
+    texture = node.socket.id_data.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.hide = image, True
+    texture.interpolation, texture.extension = "Linear", "EXTEND"
+    _fill(texture.inputs["Vector"], place)
+    return Value(texture.outputs["Color"])
+
+
+# --- the layer -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """What light meets that crosses the layer on the way of the view, as optical depths."""
+
+    mirror: Value  # reflected by flakes
+    loss: Value  # absorbed by them
+    blocking: Value  # all that they stop
+    absorption: Value  # of the binder
+    rayleigh: Value
+    apart: Value  # how far the ways there and back lie apart, in diameters of a flake
+
+
+def _layer(sockets: _Sockets, flakes: _Flakes, cos_in: Value) -> _Layer:
+    mirror, loss, blocking = [], [], []
+    cos_alpha = flakes.cosine * cos_in
+    for met, (reflectance, transmittance) in zip(
+        flakes.met.parts(), _coatings(sockets, cos_alpha), strict=True
+    ):
+        stopped = 1.0 - transmittance
+        mirror.append(reflectance * met)
+        loss.append((stopped - reflectance).most(0.0) * met)
+        blocking.append(stopped * met)
+    thickness_mm = 1e-3 * sockets["layer_thickness_um"]
+    along = thickness_mm / cos_in
+    tangent2 = 1.0 / (cos_in * cos_in) - 1.0
+    delta = 2.0 * (tangent2 + _APART * flakes.slope2).root()  # core/hot_spot.h
+    return _Layer(
+        mirror=mirror[0] + mirror[1] + mirror[2],
+        loss=loss[0] + loss[1] + loss[2],
+        blocking=blocking[0] + blocking[1] + blocking[2],
+        absorption=sockets["binder_absorption_per_mm"].most(0.0) * along,
+        rayleigh=_RAYLEIGH * sockets["rayleigh_per_mm"] * along,
+        apart=delta * thickness_mm * 1e3 / flakes.diameter,
+    )
+
+
+@dataclass(frozen=True)
+class _Surface:
+    """What the binder's surface does to the light within."""
+
+    leaving: Value  # share of what the flakes mirror that gets out
+    turned: Value  # share of the rest that gets out by the next flakes
+    escaping: Value  # share of diffuse light that gets out
+
+
+def _surface(eta: Value, cos_in: Value, slope2: Value) -> _Surface:
+    # Mirrored directions lie normally about that of a level mirror. Of a normal distribution the
+    # share below the critical angle is near a logistic function.
+    width = (2.0 * slope2).root() + 1e-3
+    angle = cos_in.function("ARCCOSINE")
+    critical = (1.0 / eta).least(1.0).function("ARCSINE")
+    beyond = ((angle * angle + _OUTWARDS * width * width).root() - critical) / width
+    odds = (1.702 / _FLANK * beyond).most(-30.0).decay()
+    # Diffuse light meets the surface from within: a fit of Egan and Hilgeman, 1973.
+    index = eta.most(1.0).least(2.5)
+    escaping = 1.4399 / (index * index) - 0.7099 / index + 0.3319 - 0.0636 * index
+    return _Surface(
+        leaving=odds / (1.0 + odds),
+        turned=2.0 * escaping * slope2.root() / (1.0 + 2.0 * slope2),  # core/mixture.h
+        escaping=escaping,
+    )
+
+
+def _scattered(layer: _Layer, surface: _Surface, sockets: _Sockets) -> tuple[Value, Value]:
+    """What leaves the paint, of the light that enters: mirrored by flakes, and diffuse."""
+    # Light down and up in the layer (Kubelka and Munk), whose substrate is black:
+    # R = s sinh x / d, T = x / d, d = (s + k) sinh x + x cosh x; here times 2 exp(-x).
+    s = layer.mirror + 0.5 * layer.rayleigh
+    k = layer.loss + layer.absorption
+    x = (k * (k + 2.0 * s)).root() + 1e-3
+    once = x.decay()
+    sinh, cosh = 1.0 - once * once, 1.0 + once * once
+    d = (s + k) * sinh + x * cosh
+    r, t = s * sinh / d, 2.0 * once * x / d
+
+    # Depth Model correlated, core/hot_spot.h: what hides a flake from the observer often hides it
+    # from the light as well. More is reflected at once, and less is left.
+    depth = 2.0 * (layer.blocking + layer.absorption + layer.rayleigh)
+    y = layer.apart / (1.0 + 0.0971 * depth)
+    share = (1.0 + 1.6392 * y) / (1.0 + y * (2.0389 + 1.8717 * y / (1.0 + 0.1464 * depth)))
+    common = share * layer.blocking.least(0.5 * depth) * sockets["depth_model"].equal(2)
+    apart = s * _mean_transmittance(depth)
+    single = s * _mean_transmittance(depth - common)
+    kept = 1.0 - k * _mean_transmittance(s + k)
+    less = ((kept - single) / (kept - apart).most(1e-6)).cut()
+    near = single + (r - apart).most(0.0) * less
+
+    trapped = near * (1.0 - surface.leaving)
+    again = 1.0 - r * (1.0 - surface.turned)
+    down = t * less + trapped * t / again
+    # What the substrate scatters leaves, or comes back from the flakes and from the surface.
+    inwards = 1.0 - surface.escaping
+    between = t / (1.0 - inwards * r)
+    substrate = sockets["substrate_color"].cut()
+    back = (1.0 - substrate * (r + inwards * t * between)).most(1e-3)
+    ground = down * substrate * between * surface.escaping / back
+    return near * surface.leaving, trapped * r * surface.turned / again + ground
+
+
+def _mean_transmittance(x: Value) -> Value:
+    """(1 - exp(-x))/x."""
+    x = x.most(1e-3)
+    return (1.0 - x.decay()) / x
+
+
+# --- the coat --------------------------------------------------------------------------------
+
+
+def _coat_reflectance(cos_view: Value, roughness: Value, eta: Value) -> Value:
+    """core/composition.h: what the facets of a rough surface reflect in all."""
+    q = roughness.power(2.5)
+    k = 0.55 * q / (1.0 + 0.56 * q)
+    square = cos_view * cos_view
+    facets = _fresnel((square + k * (1.0 - 0.6 * square)).root(), eta)
+    return facets * (1.0 - roughness * roughness * (0.43 + 0.26 * cos_view))
+
+
+def _fresnel(cosine: Value, eta: Value) -> Value:
+    """Reflectance of a surface for unpolarised light; 1 where nothing passes."""
+    eta2 = eta * eta
+    g = (eta2 - 1.0 + cosine * cosine).root()
+    across = (cosine - g) / (cosine + g)
+    along = (eta2 * cosine - g) / (eta2 * cosine + g)
+    return (0.5 * (across * across + along * along)).cut()
+
+
+# --- the table of coatings -------------------------------------------------------------------
+
+
+def coating_table() -> bpy.types.Image:
+    """The library of coatings as a packed image: a pixel for each angle and row."""
+    for image in bpy.data.images:
+        if image.name.startswith(TABLE) and image.get("metallic_paint") and image.library is None:
+            return image
+    values = _library()
+    rows = len(values)
+    image = bpy.data.images.new(TABLE, _NODES, rows, float_buffer=True, is_data=True)
+    pixels = np.ones((rows, _NODES, 4), np.float32)
+    pixels[:, :, :3] = values
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    image["metallic_paint"] = 1
+    return image
+
+
+def _library() -> np.ndarray:
+    text = _library_file().read_text(encoding="utf-8")
+    numbers = [float(each) for each in text.replace("\n", " ").split(",") if each.strip()]
+    return np.array(numbers, np.float32).reshape(-1, _NODES, 3)
+
+
+def _library_file() -> Path:
+    files = (folder.parent / "core" / "coating_library.inc" for folder in shader.FOLDERS)
+    return next(file for file in files if file.is_file())
