@@ -84,10 +84,10 @@ float tilt_deviate(OrientationDensity density, float sin2_half_beta)
   return (1.0 - exponential(-0.5 * squared_angle(h) / square)) / density.below;
 }
 
-float edge_deviate(OrientationDensity density, float cos_two_beta)
+float edge_deviate(OrientationDensity density, float versine)
 {
-  float cos_beta = sqrt(max((1.0 + cos_two_beta) / 2.0, 0.0));
-  return tilt_deviate(density, max(1.0 - cos_two_beta, 0.0) / (4.0 * (1.0 + cos_beta)));
+  float cos_beta = sqrt(max(1.0 - versine / 2.0, 0.0));
+  return tilt_deviate(density, versine / (4.0 * (1.0 + cos_beta)));
 }
 
 struct Mirroring {
@@ -116,8 +116,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float sin_in = sqrt((1.0 - cos_in) * (1.0 + cos_in));
   float critical = surface.critical;
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
-  float both = cos_in * critical;
-  float across = sin_in * sin_critical;
+  float across = cos_in - critical;
   color shared = layer.shared_blocking;
   float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
@@ -125,13 +124,15 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
   for (int piece = 0; piece < 2; ++piece) {
-    float end = edge_deviate(density, piece == 0 ? both + across : both - across);
+    float along = piece == 0 ? sin_in - sin_critical : sin_in + sin_critical;
+    float end = edge_deviate(density, (across * across + along * along) / 2.0);
     float begin = start;
     float span = end - start;
     float width = fabs(span);
     start = end;
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
+    float shown = width * min(width / FEW_FLAKES - 1.0, 1.0);
     for (int i = 0; i < (narrow ? 2 : 3); ++i) {
       float x = node[i];
       float part = weight[i];
@@ -158,7 +159,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           continue;
         limit = arccosine(sqrt(clamp(((b - a) + critical) / (2.0 * b), 0.0, 1.0)));
       }
-      float ring = part * slope * width * tilt.weight * limit * (1.0 / M_PI);
+      float ring = part * slope * shown * tilt.weight * limit * (1.0 / M_PI);
       for (int j = 0; j < 2; ++j) {
         float cos_phi = j == 0 ? 0.707106781 : -0.707106781;
         if (limit < HALF_PI) {
@@ -176,11 +177,10 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
         if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
-          float along = 1.0 / cos_in + 1.0 / cos_exit;
-          float turned = 2.0 * cos_alpha / cos_exit;
-          float square = sin_in * sin_in * (along * along) + 4.0 * h * (1.0 - h) * (turned * turned) -
-                         2.0 * (cos_alpha - p) * (along * turned);
-          float w = flakes_apart(layer, sqrt(max(square, 0.0)));
+          float turned = 2.0 * cos_alpha / cos_exit * (2.0 * sqrt(h * (1.0 - h)));
+          float apart = sin_in * (1.0 / cos_in + 1.0 / cos_exit) - turned * cos_phi;
+          float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
+          float w = flakes_apart(layer, sqrt(apart * apart + aside));
           sum.in_common = sum.in_common + escaping * share_in_common(w, flakes_alone);
         }
       }

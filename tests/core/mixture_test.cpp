@@ -323,7 +323,8 @@ TEST(Mixture, InFloatIsThatInDouble) {
   Random random = fresh(92);
   Worst worst;
   for (int i = 0; i < 3000; ++i) {
-    const Paint paint = ordinary_paint(random, i % 2 == 0);
+    Paint paint = ordinary_paint(random, i % 2 == 0);
+    if (i % 4 < 2) paint.depth_model = DepthModel::correlated;
     const double cos_view = rounded(random.uniform(0.05, 1));
     const Rgb<double> wide = albedo_of<double>(paint, grey(0.5), cos_view);
     const Rgb<float> narrow = albedo_of<float>(paint, grey(0.5), cos_view);
