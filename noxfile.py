@@ -135,4 +135,5 @@ def prepare(session: nox.Session, place: Blender | environments.Environment) -> 
 
 def build_zip() -> None:
     """The zip that tests/extension installs."""
-    build.build(environments.prepare_blenders(), build.TESTED, build.own_platform())
+    blenders = environments.prepare_blenders()
+    build.build(blenders[0], build.TESTED, build.own_platform(), build.own_wheels(blenders))

@@ -32,9 +32,6 @@ def installed() -> Path:
     bpy.ops.extensions.package_install_files(
         filepath=str(zips[0]), repo="user_default", enable_on_install=True
     )
-    # The bpy module, unlike the program, looks into its environment before the extension's wheels.
-    [wheels] = Path(bpy.utils.user_resource("EXTENSIONS")).glob(".local/lib/*/site-packages")
-    sys.path.insert(0, str(wheels))
     return Path(importlib.import_module(NAME).__file__).parent
 
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """./paint extension: what it writes, and how it refuses.
 
-Installed here is a zip for another platform, which has no native module.
+Installed here is the zip without the native module for this Python.
 """
 
 from __future__ import annotations
 
 import importlib
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -15,12 +16,18 @@ from pathlib import Path
 
 import bpy
 import pytest
+from common import environments
+from common.environments import BLENDERS
 from package import NAME
 from recording import drawn
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 MANIFEST = "blender_manifest.toml"
 FOREIGN = "windows-x64"
+VERSION = (ROOT / "VERSION").read_text().strip()
+PYTHONS = [
+    each.python_version for each in BLENDERS if environments.find_python(each.python_version)
+]
 
 
 def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -31,6 +38,10 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 def contents(file: Path) -> dict[str, bytes]:
     with zipfile.ZipFile(file) as zipped:
         return {name: zipped.read(name) for name in zipped.namelist()}
+
+
+def is_native(name: str) -> bool:
+    return name.startswith("metallic_paint_core/")
 
 
 @pytest.fixture(scope="session")
@@ -49,26 +60,24 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def installed(own: Path, foreign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """From the foreign zip, in which only the platform's name is another: Blender looks at it."""
-    disguised = tmp_path_factory.mktemp("disguised") / foreign.name
-    platform = tomllib.loads(contents(own)[MANIFEST].decode())["platforms"][0]
-    with zipfile.ZipFile(disguised, "w") as zipped:
-        for name, content in contents(foreign).items():
-            changes = name == MANIFEST
-            zipped.writestr(
-                name, content.replace(FOREIGN.encode(), platform.encode()) if changes else content
-            )
+def installed(own: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """As in a Blender newer than the zip: the module for this Python is one for Python 3.99."""
+    older = tmp_path_factory.mktemp("older") / own.name
+    ours = "-{}{}-".format(*sys.version_info)
+    with zipfile.ZipFile(older, "w") as zipped:
+        for name, content in contents(own).items():
+            zipped.writestr(name.replace(ours, "-399-") if is_native(name) else name, content)
     bpy.ops.extensions.package_install_files(
-        filepath=str(disguised), repo="user_default", enable_on_install=True
+        filepath=str(older), repo="user_default", enable_on_install=True
     )
     return Path(importlib.import_module(NAME).__file__).parent
 
 
 @pytest.fixture
 def no_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The environment has the native module too."""
-    monkeypatch.setitem(sys.modules, "metallic_paint_core", None)
+    """No test has imported it from the environment, which has it too."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "metallic_paint_core"]:
+        monkeypatch.delitem(sys.modules, name)
 
 
 def test_output_must_be_a_folder(tmp_path: Path) -> None:
@@ -89,9 +98,8 @@ def test_unknown_platform_is_refused_with_the_known_ones() -> None:
 def test_zip_is_named_by_version_and_platform_and_holds_no_trace_of_this_machine(
     own: Path, foreign: Path
 ) -> None:
-    version = (ROOT / "VERSION").read_text().strip()
-    assert own.name.startswith(f"metallic_paint-{version}-linux-")
-    assert foreign.name == f"metallic_paint-{version}-{FOREIGN}.zip"
+    assert own.name.startswith(f"metallic_paint-{VERSION}-linux-")
+    assert foreign.name == f"metallic_paint-{VERSION}-{FOREIGN}.zip"
     for file in (own, foreign):
         held = contents(file)
         texts = [name for name in held if name.endswith((".py", ".toml", ".txt"))]
@@ -116,11 +124,36 @@ def test_asset_library_holds_no_trace_of_this_machine(own: Path, tmp_path: Path)
 def test_foreign_zip_differs_by_platform_and_native_module_only(own: Path, foreign: Path) -> None:
     ours, theirs = contents(own), contents(foreign)
     our_manifest, manifest = (tomllib.loads(each.pop(MANIFEST).decode()) for each in (ours, theirs))
-    wheels = [name.removeprefix("./") for name in our_manifest.pop("wheels")]
-    assert wheels
+    native = set(filter(is_native, ours))
+    assert native
     assert manifest == our_manifest | {"platforms": [FOREIGN]}
-    assert theirs.keys() == ours.keys() - wheels
+    assert theirs.keys() == ours.keys() - native
     assert [name for name in theirs if theirs[name] != ours[name]] == []
+
+
+def test_native_module_is_in_the_zip_for_each_python_and_taken_from_given_wheels(
+    own: Path, tmp_path: Path
+) -> None:
+    """As a build farm has them. The library inside stays one for Linux: nobody looks."""
+    native = {name: content for name, content in contents(own).items() if is_native(name)}
+    given, out = tmp_path / "given", tmp_path / "out"
+    given.mkdir()
+    wheels = [next((ROOT / "build").glob(f"wheels-{python}/*.whl")) for python in PYTHONS]
+    for wheel in wheels:
+        python = wheel.name.split("-")[2]
+        shutil.copy(wheel, given / f"metallic_paint_core-0-{python}-{python}-win_amd64.whl")
+        shutil.copy(wheel, given / f"metallic_paint_core-0-{python}-{python}-win_arm64.whl")
+    assert len(native) == 1 + len(wheels)  # with __init__.py
+    built = run("--platform", FOREIGN, "--wheels", given, "--out", out)
+    assert built.returncode == 0, built.stdout + built.stderr
+    theirs = contents(out / f"metallic_paint-{VERSION}-{FOREIGN}.zip")
+    assert {name: theirs[name] for name in theirs if is_native(name)} == native
+
+
+def test_folder_of_wheels_must_be_one(tmp_path: Path) -> None:
+    refused = run("--wheels", tmp_path / "none")
+    said = f"--wheels {tmp_path / 'none'}: not a folder.\n"
+    assert (refused.returncode, refused.stderr) == (1, said)
 
 
 def test_this_blender_finds_the_foreign_zip_valid_and_refuses_it(
@@ -141,9 +174,10 @@ def test_shader_survives_the_encodings_of_other_systems(foreign: Path) -> None:
             assert content.isascii(), name
 
 
+@pytest.mark.every_blender
 @pytest.mark.usefixtures("no_core")
 def test_paint_works_without_the_native_module(installed: Path) -> None:
-    assert not (installed / "wheels").exists()
+    assert not [*(installed / "metallic_paint_core").glob("*-{}{}-*".format(*sys.version_info))]
     assert not [*Path(bpy.utils.user_resource("EXTENSIONS")).glob(".local/lib/*/site-packages/*")]
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 16
@@ -158,12 +192,16 @@ def test_paint_works_without_the_native_module(installed: Path) -> None:
     shown = " ".join(drawn(bpy.types.MATERIAL_PT_metallic_paint_report).texts)
     assert "flakes a pixel" in shown
     assert "sparkles cannot be foretold" in shown
+    assert "3.99; this Blender has Python" in shown
 
 
+@pytest.mark.every_blender
 @pytest.mark.usefixtures("no_core")
-def test_verify_says_that_there_is_no_native_module() -> None:
+def test_verify_says_that_there_is_no_native_module_for_this_python() -> None:
     shown = drawn(bpy.types.MATERIAL_PT_metallic_paint_verify)
-    said = "This build of the add-on has no native module for this Blender."
-    assert " ".join(shown.texts) == f"{said} The paint works without it."
+    text = " ".join(shown.texts)
+    assert text.startswith("This build of the add-on has its native module for Python 3.")
+    here = "{}.{}".format(*sys.version_info)
+    assert text.endswith(f"3.99; this Blender has Python {here}. The paint works without it.")
     assert not shown.names
     assert not bpy.ops.scene.metallic_paint_verify.poll()

