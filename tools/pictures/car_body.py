@@ -123,7 +123,7 @@ def solid(x: Array, y: Array, z: Array) -> Array:
         r = np.hypot(x - axle, z - WHEEL_RADIUS)
         body = body - 0.010 * bump(r - ARCH_RADIUS, 0.03) * (y > WELL_DEPTH)
         well = -soft_max(r - ARCH_RADIUS, WELL_DEPTH - y, 0.01)
-        body = soft_max(body, well, 0.004)
+        body = soft_max(body, well, 0.009)  # wide enough for the cells
     return body
 
 

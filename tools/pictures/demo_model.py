@@ -66,7 +66,7 @@ class Parts:
         self.rubber = plain_material("Rubber", (0.011, 0.011, 0.011), roughness=0.55)
         self.caliper = plain_material("Caliper", (0.55, 0.02, 0.01), roughness=0.25)
         self.light = plain_material("Daytime light", (0.9, 0.95, 1.0), roughness=0.3, glow=5)
-        self.lens = plain_material("Lens", (0.75, 0.82, 0.9), roughness=0.02, glow=0.6)
+        self.lens = plain_material("Lens", (0.30, 0.33, 0.36), roughness=0.03, metallic=1)
         self.red = plain_material("Tail lamp", (0.35, 0.004, 0.004), roughness=0.05)
         self.glow = plain_material("Tail light", (1.0, 0.03, 0.015), roughness=0.3, glow=2.5)
 
@@ -170,16 +170,16 @@ class Parts:
             y, z = _slanted(side, np.cos(angle), np.sin(angle), 1.0)
             ring = np.stack([0 * y, y, z], -1)
             self.strip("Lamp's rim", ring, 0, 1.2, 2.4, 0.010, 0.004, self.black, closed=True)
-            bow = np.linspace(0.98, 1.92, 80) * np.pi
+            bow = np.linspace(0.10, 0.86, 80) * np.pi
             y, z = _slanted(side, np.cos(bow), np.sin(bow), 0.80)
             line = np.stack([0 * y, y, z], -1)
             self.strip("Daytime light", line, 0, 1.2, 2.4, 0.009, 0.005, self.light)
             for s0 in (-0.36, 0.30):
                 for size, width, surface in (
                     (0.036, 0.007, self.chrome),
-                    (0.012, 0.020, self.lens),
+                    (0.014, 0.024, self.lens),
                 ):
-                    y, z = _slanted(side, s0 + 0 * angle, 0.12 + 0 * angle, 1)
+                    y, z = _slanted(side, s0 + 0 * angle, -0.10 + 0 * angle, 1)
                     y, z = y + size * np.cos(angle), z + size * np.sin(angle)
                     ring = np.stack([0 * y, y, z], -1)
                     self.strip("Lens", ring, 0, 1.2, 2.4, width, 0.004, surface, closed=True)

@@ -45,13 +45,13 @@ def build(scene: bpy.types.Scene, subject: bpy.types.Object) -> None:
 
 # Place, target, size along and across, radiance.
 SOFTBOXES = (
-    ((-0.6, 1.3, 1.9), (0.0, 0.0, 0.2), (4.2, 1.3), 3.2),  # above and behind: bonnet, roof
-    ((-1.9, -2.3, 1.75), (0.0, 0.0, 0.2), (3.6, 0.55), 4.0),  # the flank's shoulder
-    ((-2.1, -2.5, 0.42), (0.0, 0.0, 0.25), (3.0, 0.16), 3.0),  # the door
-    ((2.3, 2.2, 1.1), (0.7, 0.0, 0.2), (1.6, 0.7), 2.5),  # the nose
+    ((-0.6, 1.3, 1.9), (0.0, 0.0, 0.2), (4.2, 1.3), 4.0),  # above and behind: bonnet, roof
+    ((-1.9, -2.3, 1.75), (0.0, 0.0, 0.2), (3.6, 0.55), 5.0),  # the flank's shoulder
+    ((-2.1, -2.5, 0.42), (0.0, 0.0, 0.25), (3.0, 0.16), 4.0),  # the door
+    ((2.3, 2.2, 1.1), (0.7, 0.0, 0.2), (1.6, 0.7), 3.2),  # the nose
 )  # fmt: skip
 # Towards the lamp, and the irradiance that it gives the subject's middle, W/m².
-LAMP = ((0.9, -1.5, 1.9), 5.0)
+LAMP = ((0.9, -1.5, 1.9), 6.0)
 
 
 def world_box(item: bpy.types.Object) -> Array:
@@ -79,9 +79,9 @@ def add_camera(scene: bpy.types.Scene, corners: Array) -> bpy.types.Object:
         * np.array([1, aspect] if aspect <= 1 else [1 / aspect, 1])
     )
     local = (corners - np.array(centre)) @ axes.T
-    # Each corner asks for a distance at which it lies within 96 % of the picture: none of a body
-    # lies in the box's own corners.
-    distance = max(float((np.abs(local[:, :2]) / (0.96 * half) + local[:, 2:]).max()), radius)
+    # Each corner asks for a distance at which it lies within 107 % of the picture: a body is round
+    # and leaves its box's corners empty.
+    distance = max(float((np.abs(local[:, :2]) / (1.07 * half) + local[:, 2:]).max()), radius)
     camera.location = centre + distance * towards
     data.clip_start, data.clip_end = distance / 1000, distance * 1000
     return camera
@@ -120,8 +120,8 @@ def _backdrop(middle: Vector, width: float) -> bpy.types.Material:
     fall.inputs["From Max"].default_value = width
     colours = ramp.color_ramp
     colours.interpolation = "EASE"
-    colours.elements[0].color = (0.040, 0.044, 0.052, 1)
-    colours.elements[1].color = (0.002, 0.0022, 0.003, 1)
+    colours.elements[0].color = (0.060, 0.066, 0.078, 1)
+    colours.elements[1].color = (0.003, 0.0033, 0.0045, 1)
     colours.elements[1].position = 0.75
     tree.links.new(place.outputs["Position"], apart.inputs[0])
     tree.links.new(apart.outputs["Value"], fall.inputs["Value"])
