@@ -36,29 +36,38 @@ void bind_light(py::module_& module) {
       .value("unused", LightKind::unused)
       .value("parallel", LightKind::parallel)
       .value("positional", LightKind::positional)
+      .value("area", LightKind::area)
+      .value("sky", LightKind::sky)
       .finalize();
   py::class_<Light<double>>(
       module, "Light",
       R"doc(A light that sparkles, as a slot of the shader holds it (paper, 5.3.5).
 
 kind: a LightKind. parallel: vector points to the light (any length above 0, at most 1e30 in each
-axis), size is the sine of its angular radius, 0 to 1. positional: vector is the centre and size the
-radius, in scene units, 0 to 1e30.)doc")
-      .def(py::init([](py::handle kind, py::handle vector, py::handle size) {
+axis), size is the sine of its angular radius, 0 to 1; sky: the same of the sun in a world.
+positional: vector is the centre and size the radius, in scene units, 0 to 1e30. area: flat and seen
+from the side that facing points to; size is the radius of a disc of its area, facing is as long as
+its farthest point is from the centre.)doc")
+      .def(py::init([](py::handle kind, py::handle vector, py::handle size, py::handle facing) {
              const Light<double> light{
                  from_python<LightKind>("light.kind", kind,
-                                        "LightKind.unused, .parallel or .positional"),
+                                        "LightKind.unused, .parallel, .positional, .area or .sky"),
                  three_numbers("light.vector", vector),
-                 from_python<double>("light.size", size, kNumber)};
+                 from_python<double>("light.size", size, kNumber),
+                 facing.is_none() ? metallic_paint::Vec3<double>{}
+                                  : three_numbers("light.facing", facing)};
              metallic_paint::validate(light);
              return light;
            }),
-           py::arg("kind"), py::arg("vector"), py::arg("size"))
+           py::arg("kind"), py::arg("vector"), py::arg("size"), py::arg("facing") = py::none())
       .def_readonly("kind", &Light<double>::kind)
       .def_property_readonly("vector",
                              [](const Light<double>& light) {
                                return py::make_tuple(light.vector.x, light.vector.y,
                                                      light.vector.z);
                              })
-      .def_readonly("size", &Light<double>::size);
+      .def_readonly("size", &Light<double>::size)
+      .def_property_readonly("facing", [](const Light<double>& light) {
+        return py::make_tuple(light.facing.x, light.facing.y, light.facing.z);
+      });
 }

@@ -71,7 +71,8 @@ template <class T>
 std::vector<Light<T>> slots_of(const std::vector<Light<double>>& lights) {
   std::vector<Light<T>> slots;
   for (const Light<double>& light : lights) {
-    slots.push_back({light.kind, Vec3<T>(light.vector), static_cast<T>(light.size)});
+    slots.push_back(
+        {light.kind, Vec3<T>(light.vector), static_cast<T>(light.size), Vec3<T>(light.facing)});
   }
   return slots;
 }

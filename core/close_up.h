@@ -263,7 +263,7 @@ Rgb<T> flake_radiance(const Layer<T>& layer, const Flakes<T>& flakes, const Firs
   const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
   const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
   return shown_by(first, expected.reflectance, way.slant) *
-         (expected.ceiling * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
+         (expected.ceiling * expected.share * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
 }
 
 // Var[T] of such samples: in E[T^2] stands e^-bz e^-2(x - b)z for e^-xz, and no T is above the
@@ -273,7 +273,7 @@ Rgb<T> flake_radiance_variance(const Layer<T>& layer, const FirstFlake<T>& first
                                const ExpectedSparkles<T>& expected, const Passage<T>& way) {
   if (!(expected.ceiling > 0)) return {};
   const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
-  const T most = expected.ceiling * (cos_in / way.cos_exit);
+  const T most = expected.ceiling * expected.share * (cos_in / way.cos_exit);
   const T left = layer.sparkle_contrast;
   const auto variance = [&](T mean, T reflectance, T x) {
     const T y = 2 * x - first.hiding;

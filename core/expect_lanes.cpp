@@ -59,7 +59,8 @@ ExpectedSparkles<float> of_lane(const ExpectedSparkles<Many>& e, std::size_t lan
           of_lane(e.reflectance, lane),
           of_lane(e.mirror, lane),
           e.ceiling[lane],
-          e.contrast[lane]};
+          e.contrast[lane],
+          e.share[lane]};
 }
 
 }  // namespace

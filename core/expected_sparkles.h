@@ -31,6 +31,7 @@ struct ExpectedSparkles {
   Rgb<T> mirror{};                  // T of a pixel filled by an undimmed sparkle
   T ceiling{};                      // T of a pixel filled by a perfect mirror: nothing exceeds it
   T contrast{1};                    // share of the fluctuation that the paint shows
+  T share{1};                       // of the light that sparkles: not what has melted of it
 };
 
 // Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
@@ -63,6 +64,12 @@ Wide<T> cone_in_binder(const Flakes<T>& flakes, const Passage<T>& way) {
   return max(inside, W(kLeastCone<T>) * max(way.ratio, W(1)));
 }
 
+// By how much the flakes' tilt turns what they mirror, outside.
+template <class T>
+T turned_by(const Flakes<T>& flakes, T eta) {
+  return 2 * eta * flakes.orientation.tilt;
+}
+
 // sin^2(rho/2) of the cone about n_f in which the normal of a sparkling flake lies (paper, eq. 4):
 // 4 pi sin^2(rho/2) = inside/(4 cos(alpha)).
 template <class T>
@@ -83,7 +90,8 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   // that belongs to `inside` is inside/ratio.
   expected.ceiling = static_cast<T>(way.surface * way.ratio / inside);
   expected.reflectance = coating_reflectance(flakes.coating, cos_alpha);
-  expected.mirror = expected.reflectance * expected.ceiling;
+  expected.share = sparkling_share(way.breadth, way.apart, turned_by(flakes, layer.eta));
+  expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   // A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
   expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });

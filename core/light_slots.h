@@ -15,7 +15,7 @@
 namespace metallic_paint {
 
 // What the shader finds for all light slots at one point. leader: see group_lights; -1 for a light
-// that is unused or below the horizon. At most kLightSlots lights.
+// that is unused, below the horizon, or has melted. At most kLightSlots lights.
 template <class T>
 struct SlotView {
   std::array<SeenLight<T>, kLightSlots> seen;
@@ -31,10 +31,12 @@ SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T
     const auto at = static_cast<std::size_t>(i);
     slots.seen[at] = see_light(lights[at], point.position);
     if (slots.seen[at].visible && dot(Vec3<Wide<T>>(point.normal), slots.seen[at].direction) > 0) {
-      slots.leader[at] = i;
+      slots.leader[at] = slots.seen[at].breadth > 0 ? kStandsAside : i;
     }
   }
   group_lights(slots.seen.data(), slots.leader.data(), count);
+  admit_melting(slots.seen.data(), slots.leader.data(), count);
+  for (int& leader : slots.leader) leader = std::max(leader, -1);
   return slots;
 }
 

@@ -94,15 +94,24 @@ void validate(const Light<double>& light) {
     case LightKind::unused:
       return;
     case LightKind::parallel:
+    case LightKind::sky:
       if (!(length(light.vector) > 0)) {
-        reject("length of light.vector", 0, "above 0 for a parallel light");
+        reject("length of light.vector", 0, "above 0 for a light without a place");
       }
       return require_range("light.size", light.size, 0, 1, " (sine of the angular radius)");
     case LightKind::positional:
       return require_range("light.size", light.size, 0, largest, " scene units (radius)");
+    case LightKind::area:
+      require_range("light.facing.x", light.facing.x, -largest, largest);
+      require_range("light.facing.y", light.facing.y, -largest, largest);
+      require_range("light.facing.z", light.facing.z, -largest, largest);
+      if (!(length(light.facing) > 0)) {
+        reject("length of light.facing", 0, "above 0 for an area light");
+      }
+      return require_range("light.size", light.size, 0, largest, " scene units (radius)");
   }
   reject("light.kind", static_cast<double>(light.kind),
-         "0 (unused), 1 (parallel) or 2 (positional)");
+         "0 (unused), 1 (parallel), 2 (positional), 3 (area) or 4 (sky)");
 }
 
 void validate_count(double mean, double slots, double uniform) {

@@ -33,6 +33,7 @@ struct Passage {
   Wide<T> inside{}, ratio{};  // the light's cone in the binder, sr; that over its cone outside
   Wide<T> surface{};          // transmittance of the surface, in and out
   T cos_exit{};               // cosine of the exit by which flakes cover the pixel
+  T breadth{}, apart = 1;     // of the light
   Rgb<T> slant{};             // optical depth of the layer, there and back: t H
 };
 
@@ -53,6 +54,8 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   const T cos_view_in = static_cast<T>(min(way.mirror.g_view / eta, W(1)));
   const T cos_light_in = static_cast<T>(min(way.mirror.g_light / eta, W(1)));
   way.cos_exit = published ? static_cast<T>(way.mirror.cos_view) : cos_view_in;
+  way.breadth = light.breadth;
+  way.apart = light.apart;
 
   // The light's cone in the binder (paper, eq. 7). Published: pi Delta_a^2; exact: the true solid
   // angle 4 pi sin^2(Delta_a/2).

@@ -235,7 +235,7 @@ color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSpark
   float cos_alpha = way.mirror.cos_alpha;
   float cos_in = min(way.mirror.g_view / layer.eta, 1.0);
   return shown_by(first, expected.reflectance, way.slant) *
-         (expected.ceiling * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
+         (expected.ceiling * expected.share * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
 }
 
 // `firsts` arrive as no_flake().

@@ -56,31 +56,41 @@ closure color sparkle_cone(color radiance, vector view, vector direction, float 
 }
 
 // What one random flake shows of all light but the listed, whose sparkles have cones of their own: a narrow cone, or a mirror
-// where a listed light is near, or nothing where one is met.
+// at the edge of a listed light, and within one only what has melted of it.
 closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen[8], int lights)
 {
   closure color none = 0;
   float rho = mirrored.spread;
+  float left = 1.0;
   SeenLight towards;
   towards.direction = mirrored.direction;
-  for (int i = 0; i < lights; ++i)
-    rho = min(rho, angle_between(towards, seen[i]) - angular_radius(seen[i]) - CONE_MARGIN);
-  if (rho <= -CONE_MARGIN)
+  for (int i = 0; i < lights; ++i) {
+    float share = sparkling_share(seen[i].breadth, seen[i].apart, mirrored.turned);
+    if (share > 0.0) {
+      float off = angle_between(towards, seen[i]) - angular_reach(seen[i]) - CONE_MARGIN;
+      // Where the light's cone is its own, that ends where this begins.
+      if (off <= (seen[i].own_cone ? 0.0 : -CONE_MARGIN))
+        left = left * (1.0 - share);
+      rho = min(rho, fabs(off));
+    }
+  }
+  if (!(left > 0.0))
     return none;
   vector half = normalize(view + mirrored.direction);
   if (rho < CONE_MARGIN)
-    return mirrored.weight * reflection(half);
-  return mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);
+    return left * mirrored.weight * reflection(half);
+  return left * mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);
 }
 
 // A coat without roughness. No sampling of lamps finds what a mirror shows, so where that is a listed light, a cone as large
-// as the light shows it instead. Of lights that overlap there the first decides.
+// as the light shows it instead. Of lights that overlap there the first decides. What melts may have corners: rays find it.
 closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
 {
   for (int i = 0; i < lights; ++i) {
     float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
-    if (radiance > 0.0)
-      return sparkle_cone(color(radiance), view, seen[i].direction, angular_radius(seen[i]) + CONE_MARGIN, 0.0);
+    float radius = angle_of_half_chord(sqrt(seen[i].sin2_half_radius));
+    if (radiance > 0.0 && seen[i].breadth == 0.0)
+      return sparkle_cone(color(radiance), view, seen[i].direction, radius + CONE_MARGIN, 0.0);
   }
   return reflection(n);
 }

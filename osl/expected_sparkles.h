@@ -24,6 +24,7 @@ struct ExpectedSparkles {
   color mirror;
   float ceiling;
   float contrast;
+  float share;
 };
 
 float flake_probability(OrientationDensity density, int radiometry, float sin2_half_beta, float sin2_half_rho)
@@ -47,6 +48,7 @@ ExpectedSparkles nothing_expected(Flakes flakes)
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
   expected.contrast = 1.0;
+  expected.share = 1.0;
   return expected;
 }
 
@@ -56,6 +58,11 @@ float cone_in_binder(Flakes flakes, Passage way)
   if (!(inside > 0.0))
     return 0.0;
   return max(inside, LEAST_CONE * max(way.ratio, 1.0));
+}
+
+float turned_by(Flakes flakes, float eta)
+{
+  return 2.0 * eta * flakes.orientation.tilt;
 }
 
 float quarter_cone(float inside, Passage way)
@@ -73,7 +80,8 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 
   expected.ceiling = way.surface_transmittance * way.ratio / inside;
   expected.reflectance = coating_reflectance(flakes.coating, library, cos_alpha);
-  expected.mirror = expected.reflectance * expected.ceiling;
+  expected.share = sparkling_share(way.breadth, way.apart, turned_by(flakes, layer.eta));
+  expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   expected.slant = way.slant;
   expected.transmitted = mean_transmittance(expected.slant);
 

@@ -14,6 +14,7 @@ struct MirroredSample {
   vector direction;
   color weight;
   float spread;
+  float turned;  // 2 eta tilt of its species, which tells what of an area light sparkles
 };
 
 float inside_unit(float x)
@@ -28,6 +29,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   mirrored.direction = surface.n;
   mirrored.weight = color(0.0);
   mirrored.spread = 0.0;
+  mirrored.turned = 1.0;
   vector n = surface.n;
   vector view = surface.view;
   float eta = layer.eta;
@@ -52,6 +54,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
   }
   Flakes some = flakes_of(layer, flakes, kind);
+  mirrored.turned = 2.0 * eta * some.orientation.tilt;
   FirstFlake first = firsts[kind];
   if (first.close && !first.seen)
     return mirrored;

@@ -8,61 +8,111 @@
 #define LIGHT_UNUSED 0
 #define LIGHT_PARALLEL 1
 #define LIGHT_POSITIONAL 2
+#define LIGHT_AREA 3
+#define LIGHT_SKY 4
 #define LEAST_GAP 2e-3
+#define SKY_REACH 0.02
+#define WIDEST_SINE 0.5
+#define MELTING_GAP 0.05
+#define STANDS_ASIDE -2
 
 struct SeenLight {
   vector direction;
   float sin2_half_radius;
   int visible;
+  float sin2_half_reach;
+  float breadth;
+  float apart;
+  int own_cone;  // the light and what lies about it share one cone, which all other light leaves out
 };
 
-SeenLight see_light(int kind, vector where, float size, point position)
+float sparkling_share(float breadth, float apart, float turned)
+{
+  float width = breadth / min(turned, 0.8 * WIDEST_SINE);
+  return apart * clamp(2.5 - 2.0 * width, 0.0, 1.0);
+}
+
+float sin2_of_flat_light(float t2, float c)
+{
+  return c * t2 / (1.0 + t2 * (0.25 * c + 0.125 * (15.0 * c * c - 9.0)));
+}
+
+float sin2_half_of(float sine)
+{
+  return 0.5 * (sine * sine / (1.0 + sqrt((1.0 - sine) * (1.0 + sine))));
+}
+
+SeenLight see_light(int kind, vector where, float size, vector facing, point position)
 {
   SeenLight seen;
   seen.direction = vector(0.0, 0.0, 1.0);
   seen.sin2_half_radius = 0.0;
   seen.visible = 0;
+  seen.sin2_half_reach = 0.0;
+  seen.breadth = 0.0;
+  seen.apart = 1.0;
+  seen.own_cone = kind == LIGHT_AREA || kind == LIGHT_SKY;
   if (kind == LIGHT_UNUSED)
     return seen;
   vector towards = where;
-  if (kind == LIGHT_POSITIONAL)
+  if (kind == LIGHT_POSITIONAL || kind == LIGHT_AREA)
     towards = where - vector(position);
   float distance = sqrt(inner_product(towards, towards));
   if (!(distance > 0.0))
     return seen;
-  seen.visible = 1;
   seen.direction = towards / distance;
   float sine = size;
   if (kind == LIGHT_POSITIONAL)
     sine = size / distance;
   sine = clamp(sine, 0.0, 1.0);
-  seen.sin2_half_radius = 0.5 * (sine * sine / (1.0 + sqrt((1.0 - sine) * (1.0 + sine))));
+  float reach = sine;
+  if (kind == LIGHT_SKY)
+    reach = max(sine, SKY_REACH);
+  if (kind == LIGHT_AREA) {
+    float extent = sqrt(inner_product(facing, facing));
+    if (!(extent > 0.0))
+      return seen;
+    float cosine = -inner_product(facing, seen.direction) / extent;
+    reach = max(extent, size) / distance;
+    if (!(cosine > 0.0) || !(reach < WIDEST_SINE))
+      return seen;
+    float radius = size / distance;
+    sine = sqrt(sin2_of_flat_light(radius * radius, min(cosine, 1.0)));
+    seen.breadth = reach;
+  }
+  seen.visible = 1;
+  seen.sin2_half_radius = sin2_half_of(sine);
+  seen.sin2_half_reach = sin2_half_of(reach);
   return seen;
 }
 
-float angular_radius(SeenLight light)
+float angle_of_half_chord(float half_chord)
 {
-  return M_PI - 2.0 * arccosine(sqrt(light.sin2_half_radius));
+  return M_PI - 2.0 * arccosine(half_chord);
+}
+
+float angular_reach(SeenLight light)
+{
+  return angle_of_half_chord(sqrt(light.sin2_half_reach));
 }
 
 float angle_between(SeenLight a, SeenLight b)
 {
   vector chord = a.direction - b.direction;
-  float half_chord = min(0.5 * sqrt(inner_product(chord, chord)), 1.0);
-  return M_PI - 2.0 * arccosine(half_chord);
+  return angle_of_half_chord(min(0.5 * sqrt(inner_product(chord, chord)), 1.0));
 }
 
 float group_reach(SeenLight seen[8], int leader[8], int count, int group)
 {
-  float reach = angular_radius(seen[group]);
+  float reach = angular_reach(seen[group]);
   for (int i = 0; i < count; ++i) {
     if (leader[i] == group && i != group)
-      reach = max(reach, angle_between(seen[group], seen[i]) + angular_radius(seen[i]));
+      reach = max(reach, angle_between(seen[group], seen[i]) + angular_reach(seen[i]));
   }
   return reach;
 }
 
-// `leader` arrives as leader[i] = i: here every light is there.
+// Here every light is there.
 void group_lights(SeenLight seen[8], output int leader[8], int count)
 {
   int joined = 1;
@@ -72,8 +122,8 @@ void group_lights(SeenLight seen[8], output int leader[8], int count)
       if (leader[group] == group) {
         float reach = group_reach(seen, leader, count, group) + LEAST_GAP;
         for (int i = 0; i < count && !joined; ++i) {
-          if (leader[i] != group &&
-              angle_between(seen[group], seen[i]) - angular_radius(seen[i]) < reach) {
+          if (leader[i] >= 0 && leader[i] != group &&
+              angle_between(seen[group], seen[i]) - angular_reach(seen[i]) < reach) {
             int first = min(group, leader[i]);
             int second = max(group, leader[i]);
             for (int k = 0; k < count; ++k) {
@@ -84,6 +134,26 @@ void group_lights(SeenLight seen[8], output int leader[8], int count)
           }
         }
       }
+    }
+  }
+}
+
+void admit_melting(output SeenLight seen[8], output int leader[8], int count)
+{
+  for (int i = 0; i < count; ++i) {
+    if (seen[i].breadth > 0.0 && leader[i] == STANDS_ASIDE) {
+      float gap = M_PI;
+      for (int k = 0; k < count; ++k) {
+        if (k != i && (leader[k] == k || leader[k] == STANDS_ASIDE)) {
+          float reach = angular_reach(seen[k]);
+          if (leader[k] == k)
+            reach = group_reach(seen, leader, count, k);
+          gap = min(gap, angle_between(seen[i], seen[k]) - reach);
+        }
+      }
+      seen[i].apart = clamp((gap - angular_reach(seen[i]) - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
+      if (seen[i].apart > 0.0)
+        leader[i] = i;
     }
   }
 }

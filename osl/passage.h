@@ -28,6 +28,8 @@ struct Passage {
   float ratio;
   float surface_transmittance;
   float cos_exit;
+  float breadth;
+  float apart;
   color slant;
 };
 
@@ -40,6 +42,8 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   way.surface_transmittance = 0.0;
   way.cos_exit = 1.0;
   way.slant = color(0.0);
+  way.breadth = light.breadth;
+  way.apart = light.apart;
   way.mirror.possible = 0;
   if (!light.visible || !(surface.footprint > 0.0))
     return way;

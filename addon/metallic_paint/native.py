@@ -39,8 +39,10 @@ def core_lights() -> list[Light]:
     """The slots in use, as the core takes them."""
     import metallic_paint_core as core
 
-    return [core.Light(core.LightKind(kind), vector, size)
-            for kind, vector, size in carrier.values()]  # fmt: skip
+    return [
+        core.Light(core.LightKind(kind), vector, size, facing)
+        for kind, vector, size, facing in carrier.values()
+    ]
 
 
 def _load() -> None:

@@ -25,21 +25,32 @@ class LightKind(IntEnum):
     unused = 0
     parallel = 1
     positional = 2
+    area = 3
+    sky = 4
 
 class Light:
-    def __init__(self, kind: LightKind, vector: Sequence[float], size: float) -> None: ...
+    def __init__(
+        self,
+        kind: LightKind,
+        vector: Sequence[float],
+        size: float,
+        facing: Sequence[float] | None = None,
+    ) -> None: ...
     @property
     def kind(self) -> LightKind: ...
     @property
     def vector(self) -> tuple[float, float, float]: ...
     @property
     def size(self) -> float: ...
+    @property
+    def facing(self) -> tuple[float, float, float]: ...
 
 class Pixels(TypedDict):
     """n pixels, m lights.
 
-    A light below the horizon has the leader -1 and zeros; one too close to an earlier light to be
-    told apart has that light as its leader, its radiance, and no count of its own.
+    A light below the horizon, and an area light that has melted into the mean, have the leader -1
+    and zeros; one that melts shows here what still sparkles of it. One too close to an earlier
+    light to be told apart has that light as its leader, its radiance, and no count of its own.
     """
 
     leader: NDArray[np.int32]  # (n, m)

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
+import seeds
 from mathutils import Euler, Matrix, Vector
 from metallic_paint.paint import Paint, material, shader
 from metallic_paint.scene import carrier, lights, needs
@@ -195,7 +196,7 @@ def test_values_are_right_at_once_even_where_no_paint_is(place: Place) -> None:
     fill()
     lamp.location = (4, 5, 6)
     fill()
-    assert carrier.values() == [(carrier.POSITIONED, Vector((4, 5, 6)), 0.5)]
+    assert carrier.values() == [(carrier.POSITIONED, Vector((4, 5, 6)), 0.5, Vector((0, 0, 0)))]
 
 
 def test_a_light_that_moves_is_followed(place: Place, painted: object) -> None:
@@ -253,6 +254,39 @@ def test_a_light_of_no_extent_at_all_gives_no_driver_error(place: Place, painted
     assert all(driver.is_valid for driver in drivers())
 
 
+@pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
+def test_an_area_light_is_its_disc_and_its_normal(
+    place: Place, painted: object, shape: str
+) -> None:
+    """Scaled by the object, as Cycles scales it; and followed without a fit."""
+    random = seeds.fresh(610)
+    lamp = place("AREA", "Area", shape=shape)
+    data = lamp.data
+    fill()
+    for _ in range(3):
+        lamp.location = random.uniform(-3, 3, 3)
+        lamp.rotation_euler = random.uniform(-3, 3, 3)
+        lamp.scale = random.uniform(0.5, 2, 3)
+        data.size, data.size_y = random.uniform(0.1, 2, 2)
+        bpy.context.view_layer.update()
+        matrix = np.array(lamp.matrix_world)
+        sides = [data.size, data.size_y if shape in ("RECTANGLE", "ELLIPSE") else data.size]
+        u, v = sides * np.linalg.norm(matrix[:3, :2], axis=0)
+        area = u * v * (math.pi / 4 if shape in ("DISK", "ELLIPSE") else 1)
+        reach = max(u, v) / 2 if shape in ("DISK", "ELLIPSE") else math.hypot(u, v) / 2
+        number, place_, size = slot(1)
+        assert number == carrier.AREA
+        assert place_ == pytest.approx(lamp.location, abs=1e-5)
+        assert size == pytest.approx(math.sqrt(area / math.pi), rel=1e-5)
+        facing = np.array(seen_at(bpy.data.objects["Painted"], carrier.facing_path(1)))[:3]
+        normal = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+        np.testing.assert_allclose(facing, normal * reach, rtol=1e-5, atol=1e-5)
+        carried = carrier.values()
+        fill()  # says the same
+        np.testing.assert_allclose(carrier.values()[0][3], facing, rtol=1e-5, atol=1e-5)
+        assert carried[0][0] == carrier.AREA
+
+
 # --- which lights -----------------------------------------------------------------------------
 
 
@@ -262,12 +296,30 @@ def test_slots_are_ordered_by_name(place: Place) -> None:
     assert fill() == lights.Report(named("A", "B", "C"), {}, ())
 
 
-def test_an_area_light_has_no_slot_and_is_told(place: Place) -> None:
-    softbox = place("AREA", "Softbox", energy=1e6)
+def test_an_area_light_that_is_partly_dark_has_no_slot_and_is_told(place: Place) -> None:
+    softbox = place("AREA", "Softbox", energy=1e6, spread=math.radians(89))
+    window = place("AREA", "Window")
+    window.data.cycles.is_portal = True
     report = fill()
     assert report.slots == ()
-    assert report.left_out == {softbox: "an area light makes no sparkles"}
-    assert str(report) == "no sparkles from Softbox: an area light makes no sparkles"
+    why = "its Spread is below 90°, so parts of it are dark"
+    assert report.left_out[softbox] == why
+    assert report.left_out[window] == "a portal is a window for the world's light"
+    assert f"no sparkles from Softbox: {why}" in str(report)
+
+
+def test_area_lights_come_after_the_others(place: Place) -> None:
+    place("AREA", "A")
+    place("SUN", "B")
+    assert fill().slots == named("B", "A")
+
+
+def test_the_nearest_and_best_facing_area_lights_have_the_slots(place: Place) -> None:
+    """Of nine of one power: the one that looks away is left out."""
+    for i in range(9):
+        place("AREA", f"Area {i}", location=(0, 0, 5 + i), energy=10)
+    bpy.data.objects["Area 0"].rotation_euler = (math.pi, 0, 0)
+    assert [lamp.name for lamp in fill().left_out] == ["Area 0"]
 
 
 def test_a_light_that_does_not_render_has_no_slot(place: Place) -> None:
@@ -343,7 +395,7 @@ def test_lights_of_every_view_layer_have_slots(place: Place) -> None:
     first.layer_collection.children[collection.name].exclude = True
     second.layer_collection.children[collection.name].exclude = False
     assert fill().slots == named("Sun")
-    [(_, vector, _)] = carrier.values()
+    [(_, vector, *_)] = carrier.values()
     assert vector[:] == pytest.approx((0, -math.sin(0.5), math.cos(0.5)), abs=EPSILON)
     second.use = False
     assert fill().slots == ()
@@ -467,7 +519,7 @@ def test_a_light_that_becomes_another_kind_is_filled_anew(place: Place, painted:
 def test_a_linked_light_may_share_the_name_of_a_local_one(
     tmp_path: Path, place: Place, painted: object
 ) -> None:
-    place("AREA", "Light")
+    place("AREA", "Light", spread=1)
     file = str(tmp_path / "lights.blend")
     bpy.data.libraries.write(file, {bpy.data.objects["Light"]})
     own = bpy.data.objects["Light"]
@@ -482,7 +534,7 @@ def test_a_linked_light_may_share_the_name_of_a_local_one(
     assert list(report.left_out) == [linked]
     assert needs.fit(bpy.context.scene).other_light
     assert str(report).splitlines()[0] == "light 1: Light"
-    assert "no sparkles from Light [lights.blend]: an area light" in str(report)
+    assert "no sparkles from Light [lights.blend]: its Spread" in str(report)
 
 
 def test_the_slots_are_those_of_the_scene_filled_last(place: Place) -> None:
@@ -657,29 +709,14 @@ def test_overridden_and_instanced_objects_of_another_file_see_the_lights_of_this
     assert all(map(carries, seeing()))
 
 
-def test_slots_of_an_older_file_become_todays(
-    place: Place, painted: bpy.types.Object, tmp_path: Path
-) -> None:
-    """Version 2 had a node and a driver for each number."""
-    camera_above()
-    place("SUN", "A sun")
-    lamp = place("POINT", "B lamp", location=(1, 2, 3), shadow_soft_size=0.5)
-    group = lights.node_group()
-    group["metallic_paint_lights"] = 2
-    out = group.nodes["Group Output"]
-    number = group.nodes.new("ShaderNodeValue")
-    number.outputs[0].driver_add("default_value").driver.expression = "frame"
-    for socket in out.inputs[:-1]:
-        group.links.new(number.outputs[0], socket)
-    assert lights.groups() == [group]
+def test_a_group_of_an_older_version_is_left_to_its_paints(place: Place) -> None:
+    place("SUN", "Sun")
+    older = lights.node_group()
+    older["metallic_paint_lights"] = 3
     fill()
-    show_slots(painted.active_material)
-    lamp.location = (7, 8, 9)
-    shown = shown_slots(render(tmp_path / "updated.exr"))
-    assert shown == pytest.approx([0, 0, 1, 7, 8, 9, 0.5], abs=1e-6)
-    assert group.animation_data is None
-    assert lights.version(group) == lights.VERSION
-    assert lights.constant(lights.METERS_PER_UNIT) == 1
+    [group] = lights.groups()
+    assert group != older
+    assert lights.version(older) == 3
 
 
 # --- one group per file -----------------------------------------------------------------------

@@ -103,7 +103,7 @@ def test_filling_the_lights_alone_leaves_other_light_as_it_is(ball: bpy.types.Ob
 
 
 def test_it_is_right_again_after_lights_come_and_go(ball: bpy.types.Object) -> None:
-    lamp = add_lamp("AREA", "Softbox", location=(0, 0, 5))
+    lamp = add_lamp("AREA", "Softbox", location=(0, 0, 5), spread=1)
     assert other() == ("lights without a slot",)
     assert socket() == 1
     bpy.data.objects.remove(lamp)
@@ -181,7 +181,7 @@ def test_an_instanced_light_lights_the_mean(ball: object) -> None:
 
 
 def test_a_hidden_light_counts_only_if_it_may_appear(ball: object) -> None:
-    lamp = add_lamp("AREA", "Flash")
+    lamp = add_lamp("AREA", "Flash", spread=1)
     lamp.hide_render = True
     assert other() == ()
     lamp.keyframe_insert("hide_render", frame=1)
@@ -330,20 +330,23 @@ def test_a_file_without_paint_of_its_own_gets_no_slots() -> None:
 
 def test_it_says_what_it_left_out(ball: object) -> None:
     assert str(fit()) == (
-        "No sparkles are computed: no sun, spot or point light renders.\n"
+        "No sparkles are computed: no light renders.\n"
         "The flakes show no world or other lights: the scene has none; and no neighbours: its "
         "light does not bounce (Light Paths, Total or Glossy is 0)."
     )
     bpy.context.scene.cycles.max_bounces = 4
     add_sun()
     new_world(Color=GREY, Strength=1)
+    add_lamp("AREA", "Grid", spread=1)
     add_lamp("AREA", "Softbox")
     add_quad()
     assert str(fit()) == (
         "light 1: Sun\n"
-        "no sparkles from Softbox: an area light makes no sparkles\n"
-        "2 lights: 1 sparkle, 1 lights the mean.\n"
-        "The flakes also show the world, lights without a slot and their neighbours."
+        "light 2: Softbox\n"
+        "no sparkles from Grid: its Spread is below 90°, so parts of it are dark\n"
+        "3 lights: 2 sparkle, 1 lights the mean.\n"
+        "The flakes also show the world, lights without a slot, area lights where they look wide "
+        "and their neighbours."
     )
 
 

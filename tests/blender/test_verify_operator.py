@@ -409,9 +409,9 @@ def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.Mo
     node.node_tree["metallic_paint_source"] = material.digest(shader.source())
     for lamp in [each for each in scene.objects if each.type == "LIGHT"]:
         bpy.data.objects.remove(lamp)
-    with pytest.raises(VerifyError, match="No sun, spot or point light renders"):
+    with pytest.raises(VerifyError, match="No sun, spot, point or area light renders"):
         run(scene, thing, SIZE)
-    with pytest.raises(RuntimeError, match="No sun, spot or point light renders"):
+    with pytest.raises(RuntimeError, match="No sun, spot, point or area light renders"):
         bpy.ops.scene.metallic_paint_verify()
     scene.camera = None
     with pytest.raises(RuntimeError, match="The scene has no camera"):

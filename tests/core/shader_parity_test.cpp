@@ -168,6 +168,7 @@ void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSpar
   same("slant", shader.slant, core.slant);
   same("ceiling", shader.ceiling, core.ceiling);
   same("contrast", shader.contrast, core.contrast);
+  same("share", shader.share, core.share);
   if (!(core.mean_count > 0)) return;
   same("capped area.mean", shader.area.mean, core.area.mean);
   same("capped area.square", shader.area.square, core.area.square);
@@ -235,7 +236,7 @@ ParityScene random_scene(Random& random) {
   scene.point.own.instance = static_cast<int>(random.bits());
   for (int i = 0; i < kLightSlots; ++i) {
     Light<float> light;
-    light.kind = static_cast<LightKind>(random.below(3));
+    light.kind = static_cast<LightKind>(random.below(5));
     light.vector = unit(random, -0.3);
     if (random.below(2) == 0) {
       // About the mirror direction, where it glitters.
@@ -245,6 +246,12 @@ ParityScene random_scene(Random& random) {
     }
     light.size = random.below(4) == 0 ? 0 : static_cast<float>(random.log_uniform(1e-6, 1));
     if (random.below(8) == 0) light.size = static_cast<float>(random.uniform(0, 3));
+    if (random.below(8) != 0) {
+      light.facing = unit(random, -1) * (light.size * static_cast<float>(random.uniform(0.8, 3)));
+      if (dot(light.facing, light.vector - scene.point.position) > 0 && random.below(4) != 0) {
+        light.facing = light.facing * -1.0f;
+      }
+    }
     scene.lights.push_back(light);
   }
   return scene;
@@ -253,7 +260,7 @@ ParityScene random_scene(Random& random) {
 // How often the scenes came to what is rare.
 struct Visits {
   long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, grazed = 0,
-       close = 0, covered = 0, lit = 0;
+       close = 0, covered = 0, lit = 0, melting = 0, melted = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -291,20 +298,23 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   for (int i = 0; i < kLightSlots; ++i) {
     const Light<float>& light = scene.lights[static_cast<std::size_t>(i)];
     const auto found = osl::see_light(static_cast<int>(light.kind), to_osl(light.vector),
-                                      light.size, surface.position);
+                                      light.size, to_osl(light.facing), surface.position);
     const SeenLight<float>& expected = slots.seen[static_cast<std::size_t>(i)];
     same("visible", found.visible, expected.visible);
     if (!found.visible) continue;
     same("direction", found.direction, expected.direction);
     same("sin2_half_radius", found.sin2_half_radius, expected.sin2_half_radius);
+    same("sin2_half_reach", found.sin2_half_reach, expected.sin2_half_reach);
+    same("breadth", found.breadth, expected.breadth);
     if (!(osl::inner_product(surface.n, found.direction) > 0)) continue;
     const auto at = static_cast<std::size_t>(lights);
     seen[at] = found;
-    leader[at] = lights;
+    leader[at] = found.breadth > 0 ? STANDS_ASIDE : lights;
     slot[at] = i;
     ++lights;
   }
   osl::group_lights(seen, leader, lights);
+  osl::admit_melting(seen, leader, lights);
 
   // The flakes that are seen themselves.
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
@@ -324,8 +334,14 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
   for (int i = 0; i < lights; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    same("leader", slot[static_cast<std::size_t>(leader[at])],
-         slots.leader[static_cast<std::size_t>(slot[at])]);
+    const int core_leader = slots.leader[static_cast<std::size_t>(slot[at])];
+    same("apart", seen[at].apart, slots.seen[static_cast<std::size_t>(slot[at])].apart);
+    if (leader[at] < 0) {
+      same("leader of a melted light", -1, core_leader);
+      ++visits.melted;
+      continue;
+    }
+    same("leader", slot[static_cast<std::size_t>(leader[at])], core_leader);
     if (leader[at] != i) {
       ++visits.led;
       continue;
@@ -364,6 +380,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       const float left = fluctuation_left(core_all.expected[of]);
       visits.faded += left > 0 && left < 1;
       visits.crowded += core_all.expected[of].slots > 0;
+      const float share = core_all.expected[of].share;
+      visits.melting += share > 0 && share < 1;
       visits.lit += firsts[of].close && all.count > 0;
       same("mean_count of sparkle", all.mean_count, core_all.expected[of].mean_count);
       same("radiance", all.radiance, core_all.radiance);
@@ -476,7 +494,7 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   // No branch is left out because the scenes never go there.
   for (const long visited :
        {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
-        visits.grazed, visits.close, visits.covered, visits.lit}) {
+        visits.grazed, visits.close, visits.covered, visits.lit, visits.melting, visits.melted}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }

@@ -97,7 +97,7 @@ def test_renamed_lights_move(addon: Addon) -> None:
     lamp.name = "C"
     update()
     assert slots(addon) == ["B", "C"]
-    assert [round(vector.x) for _, vector, _ in addon("scene.carrier").values()] == [2, 1]
+    assert [round(vector.x) for _, vector, *_ in addon("scene.carrier").values()] == [2, 1]
 
 
 def test_type_changes_follow(addon: Addon) -> None:
@@ -106,6 +106,12 @@ def test_type_changes_follow(addon: Addon) -> None:
     update()
     assert addon("scene.carrier").values()[0][0] == addon("scene.carrier").POSITIONED
     lamp.data.type = "AREA"
+    update()
+    size = addon("scene.carrier").values()[0][2]
+    lamp.data.shape = "DISK"
+    update()
+    assert addon("scene.carrier").values()[0][2] < size
+    lamp.data.spread = 1
     update()
     assert addon("scene.carrier").values() == []
 

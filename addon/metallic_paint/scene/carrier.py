@@ -16,14 +16,15 @@ render machine needs neither this add-on nor permission to run scripts. Directio
 from the light's matrix, as Cycles takes them: the normalised third column towards a sun, the fourth
 column for a position. Rotation channels (ROT_W ... ROT_Z) would point elsewhere than Cycles under a
 parent that is mirrored or scaled along one axis. The radius of a point or spot light is that of its
-data: Cycles does not scale it with the object.
+data: Cycles does not scale it with the object, but it does the sides of an area light, which lie
+along the first two columns.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import bpy
 import numpy as np
@@ -34,17 +35,26 @@ _MARK = "metallic_paint_carrier"
 _POINTER = "metallic_paint_lights"  # an object's property
 
 SLOTS = 8
-PARALLEL, POSITIONED = 1, 2  # the shader's kinds; 0 is an unused slot
-KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED}
+PARALLEL, POSITIONED, AREA = 1, 2, 3  # the shader's kinds; 0 is an unused slot
+KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED, "AREA": AREA}
+_NAMES = {PARALLEL: "Direction", POSITIONED: "Position", AREA: "Area"}
 
 # An attribute that is missing is (0, 0, 0, 0): so a slot's fourth number, its size, is never 0.
 _LEAST_SIZE = 1e-30
-# The property of the light's data that is its size, and what the slot has of it.
-_SIZES = {
-    PARALLEL: ("angle", f"max(sin(size/2),{_LEAST_SIZE})"),
-    POSITIONED: ("shadow_soft_size", f"max(size,{_LEAST_SIZE})"),
+_UNIT = "/max(sqrt(x*x+y*y+z*z),1e-30)"
+# What a slot has of the light's matrix and size: x, y, z and size.
+_EXPRESSIONS = {
+    PARALLEL: (*(f"{c}{_UNIT}" for c in "xyz"), f"max(sin(size/2),{_LEAST_SIZE})"),
+    POSITIONED: ("x", "y", "z", f"max(size,{_LEAST_SIZE})"),
 }
-_DIRECTION = tuple(f"{c}/max(sqrt(x*x+y*y+z*z),1e-30)" for c in "xyz")
+# Of an area light too, whose sides are u and v: the radius of the disc of its area, and half of the
+# diagonal or of the longer axis. a, b, c and d, e, f are the columns along which u and v lie.
+_U, _V = "sqrt(a*a+b*b+c*c)*u", "sqrt(d*d+e*e+f*f)*v"
+_ROUND = f"max(sqrt({_U}*{_V})/2,{_LEAST_SIZE})", f"max({_U},{_V})/2"
+_RECTANGULAR = (
+    f"max(sqrt({_U}*{_V}/pi),{_LEAST_SIZE})",
+    "sqrt((a*a+b*b+c*c)*u*u+(d*d+e*e+f*f)*v*v)/2",
+)
 
 _FRAME = "Frame"
 FRAME_PATH = f'["{_POINTER}"]["{_FRAME}"]'  # where such an object has the scene's frame
@@ -59,8 +69,17 @@ def path(slot: int, kind: int) -> str:
     return f'["{_POINTER}"]["{_name(slot, kind)}"]'
 
 
+def facing_path(slot: int) -> str:
+    """Where it has the normal of an area light, as long as the light's farthest point is off."""
+    return f'["{_POINTER}"]["{_facing_name(slot)}"]'
+
+
 def _name(slot: int, kind: int) -> str:
-    return f"Light{slot}{'Direction' if kind == PARALLEL else 'Position'}"
+    return f"Light{slot}{_NAMES[kind]}"
+
+
+def _facing_name(slot: int) -> str:
+    return f"Light{slot}Facing"
 
 
 def all_of_file() -> list[bpy.types.NodeTree]:
@@ -109,23 +128,50 @@ def is_attached(things: Collection[bpy.types.Object]) -> bool:
 
 def numbers_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, float, float]:
     """What a slot holds of a light that stands so: x, y, z and size."""
-    kind = KINDS[light.data.type]
-    size = getattr(light.data, _SIZES[kind][0])
-    if kind == PARALLEL:
-        vector, size = matrix.col[2].xyz.normalized(), math.sin(size / 2)
+    lamp = light.data
+    if isinstance(lamp, bpy.types.SunLight):
+        return (*matrix.col[2].xyz.normalized(), max(math.sin(lamp.angle / 2), _LEAST_SIZE))
+    if isinstance(lamp, bpy.types.AreaLight):
+        u, v = _sides(lamp, matrix)
+        size = math.sqrt(u * v) / 2 if _is_round(lamp) else math.sqrt(u * v / math.pi)
     else:
-        vector = matrix.translation
-    return (*vector, max(size, _LEAST_SIZE))
+        size = lamp.shadow_soft_size
+    return (*matrix.translation, max(size, _LEAST_SIZE))
 
 
-def values() -> list[tuple[int, Vector, float]]:
-    """Kind, vector and size of the slots in use, as they stand, in single precision."""
+def facing_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, float]:
+    """What a slot holds besides of an area light; zeros for any other."""
+    lamp = light.data
+    if not isinstance(lamp, bpy.types.AreaLight):
+        return (0.0, 0.0, 0.0)
+    u, v = _sides(lamp, matrix)
+    reach = max(u, v) / 2 if _is_round(lamp) else math.hypot(u, v) / 2
+    x, y, z = -matrix.col[2].xyz.normalized() * reach
+    return x, y, z
+
+
+def _sides(lamp: bpy.types.AreaLight, matrix: Matrix) -> tuple[float, float]:
+    scale_u, scale_v = (matrix.col[i].xyz.length for i in range(2))
+    return lamp.size * scale_u, getattr(lamp, _second_side(lamp)) * scale_v
+
+
+def _second_side(lamp: bpy.types.AreaLight) -> str:
+    return "size_y" if lamp.shape in ("RECTANGLE", "ELLIPSE") else "size"
+
+
+def _is_round(lamp: bpy.types.AreaLight) -> bool:
+    return lamp.shape in ("DISK", "ELLIPSE")
+
+
+def values() -> list[tuple[int, Vector, float, Vector]]:
+    """Kind, vector, size and facing of the slots in use, as they stand, in single precision."""
     found = {}
     for tree in all_of_file()[:1]:
-        for slot, kind in itertools.product(range(1, SLOTS + 1), KINDS.values()):
+        for slot, kind in itertools.product(range(1, SLOTS + 1), _NAMES):
             if (numbers := tree.get(_name(slot, kind))) is not None:
                 *vector, size = np.array(numbers, np.float32).tolist()
-                found[slot] = kind, Vector(vector), size
+                facing = np.array(tree.get(_facing_name(slot), (0, 0, 0)), np.float32).tolist()
+                found[slot] = kind, Vector(vector), size, Vector(facing)
     return [*found.values()]
 
 
@@ -137,15 +183,49 @@ def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object,
     for name in {*tree.keys()} - {_MARK, _FRAME}:
         del tree[name]
     set_values(lights, matrices)
+    for (data_path, index), (expression, variables) in _channels(lights).items():
+        _drive(tree, data_path, index, expression, variables)
+
+
+_Channels = dict[tuple[str, int], tuple[str, dict[str, tuple[bpy.types.ID, str]]]]
+
+
+def _channels(lights: Sequence[bpy.types.Object]) -> _Channels:
+    """The expression of each number, and of which variables."""
+    found: _Channels = {}
     for slot, light in enumerate(lights, 1):
         kind = KINDS[light.data.type]
         data_path = f'["{_name(slot, kind)}"]'
-        column, expressions = (2, _DIRECTION) if kind == PARALLEL else (3, ("x", "y", "z"))
-        variables = {c: (light, f"matrix_world[{column}][{i}]") for i, c in enumerate("xyz")}
-        for i, expression in enumerate(expressions):
-            _drive(tree, data_path, i, expression, variables)
-        size, expression = _SIZES[kind]
-        _drive(tree, data_path, 3, expression, {"size": (light.data, size)})
+        if isinstance(light.data, bpy.types.AreaLight):
+            for i, c in enumerate("xyz"):
+                found[data_path, i] = c, dict(_column(light, 3, "xyz"))
+            size, reach = _ROUND if _is_round(light.data) else _RECTANGULAR
+            sides = {
+                **dict(_column(light, 0, "abc")), **dict(_column(light, 1, "def")),
+                "u": (light.data, "size"), "v": (light.data, _second_side(light.data)),
+            }  # fmt: skip
+            found[data_path, 3] = size, sides
+            facing_path = f'["{_facing_name(slot)}"]'
+            for i, c in enumerate("xyz"):
+                found[facing_path, i] = (
+                    f"-{c}{_UNIT}*{reach}", {**dict(_column(light, 2, "xyz")), **sides},
+                )  # fmt: skip
+            continue
+        for i, expression in enumerate(_EXPRESSIONS[kind][:3]):
+            found[data_path, i] = (
+                expression,
+                dict(_column(light, 2 if kind == PARALLEL else 3, "xyz")),
+            )
+        size = "angle" if kind == PARALLEL else "shadow_soft_size"
+        found[data_path, 3] = _EXPRESSIONS[kind][3], {"size": (light.data, size)}
+    return found
+
+
+def _column(
+    light: bpy.types.Object, column: int, names: str
+) -> Iterator[tuple[str, tuple[bpy.types.ID, str]]]:
+    for i, name in enumerate(names):
+        yield name, (light, f"matrix_world[{column}][{i}]")
 
 
 def set_values(
@@ -154,7 +234,10 @@ def set_values(
     """At once, also where Blender does not evaluate the drivers because no object leads there."""
     tree = only()
     for slot, light in enumerate(lights, 1):
-        tree[_name(slot, KINDS[light.data.type])] = numbers_of(light, matrices[light])
+        kind = KINDS[light.data.type]
+        tree[_name(slot, kind)] = numbers_of(light, matrices[light])
+        if kind == AREA:
+            tree[_facing_name(slot)] = facing_of(light, matrices[light])
     tree.update_tag()
 
 
@@ -188,11 +271,17 @@ def is_fed_by(lights: Sequence[bpy.types.Object]) -> bool:
     """Whether drivers lead to just these lights, as what they now are."""
     trees = all_of_file()
     expected = {
-        (f'["{_name(slot, KINDS[light.data.type])}"]', i): light if i < 3 else light.data
-        for slot, light in enumerate(lights, 1)
-        for i in range(4)
+        at: (expression, [*variables.values()])
+        for at, (expression, variables) in _channels(lights).items()
     }
-    return len(trees) == 1 and _driven(trees[0]) == expected
+    return len(trees) == 1 and expected == {
+        (curve.data_path, curve.array_index): (
+            curve.driver.expression,
+            [(each.targets[0].id, each.targets[0].data_path) for each in curve.driver.variables],
+        )
+        for curve in _curves(trees[0])
+        if curve.driver.variables
+    }
 
 
 def lamps_of(tree: bpy.types.NodeTree) -> list[bpy.types.Object]:

@@ -73,5 +73,10 @@ def _irradiances(lamps: tuple[bpy.types.Object, ...], seen: Seen) -> np.ndarray:
             columns.append(np.full(len(seen.footprint), strength))
             continue
         away = seen.position - np.array(lamp.matrix_world.translation)
-        columns.append(strength / (4 * np.pi * np.maximum((away**2).sum(axis=1), 1e-8)))
+        squared = np.maximum((away**2).sum(axis=1), 1e-8)
+        if lamp.data.type == "AREA":
+            facing = away @ -np.array(lamp.matrix_world.col[2].xyz.normalized())
+            columns.append(strength / np.pi * np.maximum(facing, 0) / squared**1.5)
+        else:
+            columns.append(strength / (4 * np.pi * squared))
     return np.stack(columns, axis=1)

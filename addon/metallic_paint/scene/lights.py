@@ -20,15 +20,20 @@ from mathutils import Matrix, Vector
 from . import carrier
 
 NAME = "Metallic Paint Lights"
-VERSION = 3
-_LEAST_VERSION = 2  # that has today's outputs; fill makes it today's
+VERSION = 4  # of its outputs: paints of an older version keep the group that they came with
 SLOTS = carrier.SLOTS
 METERS_PER_UNIT = "MetersPerUnit"
 OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
 
 _MARK = "metallic_paint_lights"  # custom property of the group, holds its version
 
+# The edge of a disc of 0.3 rad, seen head on, is then 30 % darker than its centre, and its sparkles
+# are those of a disc of 1 % less.
+_LEAST_SPREAD = math.radians(90)
 _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
+
+
+_Constants = tuple[tuple[float, float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -48,9 +53,9 @@ class Report:
         return "\n".join(lines)
 
 
-def slot_names(slot: int) -> tuple[str, str, str]:
-    """The shader's names of kind, vector and size of a slot, 1..8."""
-    return f"Light{slot}Kind", f"Light{slot}Vector", f"Light{slot}Size"
+def slot_names(slot: int) -> tuple[str, str, str, str]:
+    """The shader's names of kind, vector, size and facing of a slot, 1..8."""
+    return f"Light{slot}Kind", f"Light{slot}Vector", f"Light{slot}Size", f"Light{slot}Facing"
 
 
 def node_group() -> bpy.types.ShaderNodeTree:
@@ -61,7 +66,7 @@ def node_group() -> bpy.types.ShaderNodeTree:
 def groups() -> list[bpy.types.ShaderNodeTree]:
     """The file's own groups of light slots: none without a paint, several after an append."""
     trees = [tree for tree in bpy.data.node_groups if isinstance(tree, bpy.types.ShaderNodeTree)]
-    return [each for each in trees if version(each) >= _LEAST_VERSION and each.library is None]
+    return [each for each in trees if version(each) >= VERSION and each.library is None]
 
 
 def version(group: bpy.types.ID) -> int:
@@ -75,11 +80,11 @@ def fill(scene: bpy.types.Scene) -> Report:
     needs.fit calls it, and finds out whether the flakes have other light to show. What is so
     already is not touched: Blender would prepare all paints anew.
 
-    Suns, point and spot lights that render take part, also those that animation may show later. Of
-    more than 8, those stay that send the greatest irradiance to any painted object, not counting
-    shadows, light linking, and nodes of the light; those hidden now come last. The slots are
-    ordered by name, so a light's sparkles do not change when another light grows brighter. A file
-    of several scenes has the lights of the scene filled last.
+    Lights that render take part, also those that animation may show later. Of more than 8, those
+    stay that send the greatest irradiance to any painted object, not counting shadows, light
+    linking, and nodes of the light; those hidden now come last. The slots are ordered by name, so a
+    light's sparkles do not change when another light grows brighter; area lights come after all
+    others. A file of several scenes has the lights of the scene filled last.
     """
     group = _one_group()
     layers = used_layers(scene)
@@ -87,10 +92,10 @@ def fill(scene: bpy.types.Scene) -> Report:
         layer.update()
     matrices = _rendered_lights(layers)
     left_out = _instances(layers, matrices)
-    for light in [light for light in matrices if light.data.type not in carrier.KINDS]:
+    for light in [light for light in matrices if why_not(light)]:
         del matrices[light]
-        left_out[light] = "an area light makes no sparkles"
-    lights = sorted(matrices, key=lambda light: light.name_full)
+        left_out[light] = why_not(light)
+    lights = sorted(matrices, key=lambda light: (light.data.type == "AREA", light.name_full))
     if len(lights) > SLOTS:
         irradiance = _irradiances(matrices, _painted_boxes(layers))
         brightest = sorted(lights, key=lambda light: (light.hide_render, -irradiance[light]))
@@ -105,10 +110,24 @@ def fill(scene: bpy.types.Scene) -> Report:
             layer.update()
     carrier.set_values(lights, matrices)
     kinds = [carrier.KINDS[light.data.type] for light in lights]
-    if version(group) < VERSION or _kinds(group) != kinds:
-        _build(group, kinds, [carrier.numbers_of(light, matrices[light]) for light in lights])
+    if _kinds(group) != kinds:
+        _build(group, kinds, [_constants(light, matrices[light]) for light in lights])
     _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
     return Report(tuple(lights), left_out, linked_files())
+
+
+def why_not(light: bpy.types.Object) -> str:
+    """Why a light can have no slot, whatever else there is; empty where it can."""
+    if light.data.type not in carrier.KINDS:
+        return f"lights of type {light.data.type} are not known"
+    if isinstance(light.data, bpy.types.AreaLight):
+        if light.data.cycles.is_portal:
+            return "a portal is a window for the world's light"
+        if light.data.spread < _LEAST_SPREAD:
+            return (
+                f"its Spread is below {math.degrees(_LEAST_SPREAD):.0f}°, so parts of it are dark"
+            )
+    return ""
 
 
 def show_other_light(needed: bool) -> None:
@@ -129,7 +148,7 @@ def _new_group() -> bpy.types.ShaderNodeTree:
     group.description = "The lights that sparkle, shared by all metallic paints of this file"
     outputs = [(METERS_PER_UNIT, "NodeSocketFloat"), (OTHER_LIGHT, "NodeSocketFloat")]
     for slot in range(SLOTS, 0, -1):
-        kinds = ("NodeSocketFloat", "NodeSocketVector", "NodeSocketFloat")
+        kinds = ("NodeSocketFloat", "NodeSocketVector", "NodeSocketFloat", "NodeSocketVector")
         outputs[:0] = zip(slot_names(slot), kinds, strict=True)
     for name, socket in outputs:
         group.interface.new_socket(name, in_out="OUTPUT", socket_type=socket)
@@ -140,7 +159,7 @@ def _new_group() -> bpy.types.ShaderNodeTree:
 def _build(
     group: bpy.types.ShaderNodeTree,
     kinds: Sequence[int],
-    numbers: Sequence[tuple[float, float, float, float]],
+    numbers: Sequence[_Constants],
 ) -> None:
     """Slots of these kinds, 1 first; the numbers are for objects that have no carrier."""
     out = _output(group)
@@ -152,22 +171,36 @@ def _build(
         for name in (METERS_PER_UNIT, OTHER_LIGHT):
             out.inputs[name].default_value = 1
     for slot in range(1, SLOTS + 1):
-        kind, vector, size = (out.inputs[name] for name in slot_names(slot))
+        kind, vector, size, facing = (out.inputs[name] for name in slot_names(slot))
         if slot > len(kinds):
             kind.default_value = 0
             continue
         kind.default_value = kinds[slot - 1]
-        x, y, z, own_size = numbers[slot - 1]
-        carried = group.nodes.new("ShaderNodeAttribute")
-        carried.attribute_type = "INSTANCER"  # what is instanced, or else the object itself
-        carried.attribute_name = carrier.path(slot, kinds[slot - 1])
+        (x, y, z, own_size), own_facing = numbers[slot - 1]
+        carried = _carried(group, carrier.path(slot, kinds[slot - 1]))
         is_there = group.nodes.new("ShaderNodeMath")
         is_there.operation, is_there.inputs[1].default_value = "GREATER_THAN", 0
         group.links.new(carried.outputs["Alpha"], is_there.inputs[0])
         place = _mix(group, "VECTOR", is_there, (x, y, z), carried.outputs["Vector"], vector)
         extent = _mix(group, "FLOAT", is_there, own_size, carried.outputs["Alpha"], size)
-        for column, node in enumerate((carried, is_there, place, extent)):
-            node.location = 200 * (column - 4), -250 * slot
+        row = [carried, is_there, place, extent]
+        if kinds[slot - 1] == carrier.AREA:
+            side = _carried(group, carrier.facing_path(slot))
+            normal = _mix(group, "VECTOR", is_there, own_facing, side.outputs["Vector"], facing)
+            row += [side, normal]
+        for column, node in enumerate(row):
+            node.location = 200 * (column - len(row)), -250 * slot
+
+
+def _carried(group: bpy.types.ShaderNodeTree, path: str) -> bpy.types.Node:
+    node = group.nodes.new("ShaderNodeAttribute")
+    node.attribute_type = "INSTANCER"  # what is instanced, or else the object itself
+    node.attribute_name = path
+    return node
+
+
+def _constants(light: bpy.types.Object, matrix: Matrix) -> _Constants:
+    return carrier.numbers_of(light, matrix), carrier.facing_of(light, matrix)
 
 
 def _mix(
@@ -399,10 +432,21 @@ def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
         return 0.0
     squared_distance = max(
         (box.nearest(position) - position).length_squared,
-        light.shadow_soft_size**2,
+        getattr(light, "shadow_soft_size", 0) ** 2,
         _MIN_SQUARED_DISTANCE,
     )
+    if isinstance(light, bpy.types.AreaLight):
+        return _faces(matrix, box) * strength / (math.pi * squared_distance)
     return strength / (4 * math.pi * squared_distance)
+
+
+def _faces(matrix: Matrix, box: _Box) -> float:
+    """The greatest cosine to an area light's normal that the sphere around the box comes to."""
+    towards, axis = box.center - matrix.translation, -matrix.col[2].xyz
+    if towards.length <= box.radius:
+        return 1.0
+    angle = axis.angle(towards, 0) - math.asin(box.radius / towards.length)
+    return max(math.cos(max(angle, 0)), 0)
 
 
 def _spot_reaches(light: bpy.types.SpotLight, matrix: Matrix, box: _Box) -> bool:

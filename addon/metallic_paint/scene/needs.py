@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits the paints to the scene: fills the light slots, and leaves out what nothing lights.
 
-The flakes sparkle under the lights in the slots. Under all other light (the world, area lights,
-neighbours) they show their mean, for which every sample draws mirrored directions. That is left out
-where there surely is no other light. Whatever is not known counts as light.
+The flakes sparkle under the lights in the slots. Under all other light (the world, lights without
+a slot, neighbours) they show their mean, for which every sample draws mirrored directions. That is
+left out where there surely is no other light. Whatever is not known counts as light.
 """
 
 from __future__ import annotations
@@ -50,11 +50,7 @@ class Needs:
         slots, without = len(self.lights.slots), len(self.lights.left_out)
         lines = str(self.lights).splitlines()
         if not slots:
-            why = (
-                "none of these lights has a slot"
-                if without
-                else "no sun, spot or point light renders"
-            )
+            why = "none of these lights has a slot" if without else "no light renders"
             lines.append(f"No sparkles are computed: {why}.")
         elif without:
             verb = "lights" if without == 1 else "light"
@@ -144,7 +140,11 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene), _draws_every_frame(),
     ]  # fmt: skip
-    seen += [(lamp.name_full, lamp.data.name_full, lamp.data.type) for lamp in lamps]
+    seen += [
+        (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
+        for lamp in lamps
+    ]
+    seen += [lights.why_not(lamp) for lamp in lamps]
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),
@@ -212,6 +212,8 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     lamps = _lamps(things)
     if report.left_out or any(lamp not in report.slots for lamp in lamps):
         yield "lights without a slot"
+    if any(lamp.data.type == "AREA" for lamp in report.slots):
+        yield "area lights where they look wide"
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):

@@ -41,7 +41,9 @@ def report(scene: bpy.types.Scene) -> list[Line]:
     for sentence in str(fitted).splitlines():
         lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
     if lights.groups() and not fitted.lights.slots:
-        lines.append((WARNING, "Nothing sparkles: add a sun, spot or point light that renders."))
+        lines.append(
+            (WARNING, "Nothing sparkles: add a sun, spot, point or area light that renders.")
+        )
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
     layers = lights.used_layers(scene)

@@ -104,7 +104,9 @@ def check(
     notes = _freeze(painted, layer)
     lamps = lights.fill(scene).slots
     if not lamps:
-        raise VerifyError("No sun, spot or point light renders: there is no sparkle to check.")
+        raise VerifyError(
+            "No sun, spot, point or area light renders: there is no sparkle to check."
+        )
     slots = core_lights()
     node = material.paint_node(painted)
     frame = material.frame_of(node, scene)
