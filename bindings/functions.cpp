@@ -258,7 +258,7 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
       R"doc(What neither the binder's surface nor a single flake reflects, as two lobes (fit: core/mixture.h).
 
 substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1; cos_view (...): cosines of the
-view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of a Lambertian lobe,
+view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of the diffuse lobe,
 of substrate and pigment; glossy (..., 3), that of a lobe of GGX microfacets scaled to reflect all,
 of several flakes; alpha (...), the roughness of that lobe.)doc");
 }

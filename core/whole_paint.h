@@ -13,6 +13,7 @@
 #include <numbers>
 
 #include "composition.h"
+#include "diffuse_lobe.h"
 #include "facet_lobe.h"
 #include "flake_brdf.h"
 #include "flake_lobe.h"
@@ -38,6 +39,7 @@ struct Stack {
   Composition composition{};
   Rgb<T> diffuse{}, glossy{};  // albedos of the two lobes, textured
   T alpha = 1;                 // of the glossy one
+  Ramp<T> ramp{};              // of the diffuse one
   T texture = 1;
   // 1 over the albedo of the facets: what scales the lobes of coat and mixture to reflect all.
   T coat_scale{}, glossy_scale{};
@@ -71,6 +73,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   stack.diffuse = scattered.diffuse;
   stack.glossy = scattered.glossy;
   stack.alpha = scattered.alpha;
+  stack.ramp = make_ramp(layer.eta);
   // What the sparkles outshine is Lambertian, as published.
   if (paint.composition == Composition::published) {
     stack.diffuse = stack.diffuse + stack.glossy;
@@ -96,12 +99,14 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   return stack;
 }
 
-// f cos(theta') of the diffuse and of the glossy lobe, 1/sr.
+// f cos(theta') of the diffuse and of the glossy lobe, 1/sr. As published the diffuse one is
+// Lambertian.
 template <class T>
 Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light) {
-  const T cos_light = max(dot(point.normal, light), T(0));
+  T shape = max(dot(point.normal, light), T(0));
+  if (stack.composition == Composition::exact) shape = ramp_at(stack.ramp, shape);
   const T lobe = facet_lobe(point.normal, point.view, light, stack.alpha) * stack.glossy_scale;
-  return stack.diffuse * (cos_light / std::numbers::pi_v<T>)+stack.glossy * lobe;
+  return stack.diffuse * (shape / std::numbers::pi_v<T>)+stack.glossy * lobe;
 }
 
 // coat.reflected shine: the coat's highlight per unit of the irradiance on a plane normal to the

@@ -169,7 +169,7 @@ def flake_brdf(
 ) -> NDArray[np.float64]: ...
 
 class Mixture(TypedDict):
-    diffuse: NDArray[np.float64]  # (..., 3): albedo of the Lambertian lobe
+    diffuse: NDArray[np.float64]  # (..., 3): albedo of the diffuse lobe
     glossy: NDArray[np.float64]  # (..., 3): of the lobe of GGX microfacets that reflect all
     alpha: NDArray[np.float64]  # (...): roughness of that lobe
 

@@ -112,6 +112,19 @@ def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
     np.testing.assert_allclose(lightness, wanted, rtol=0, atol=6)
 
 
+@pytest.mark.parametrize("elevation", [60, 20, 9, 4])
+def test_a_sun_at_any_slant_lights_the_substrate_as_the_core_says(elevation: float) -> None:
+    paint = Paint(flakes_per_mm2=0, binder_ior=1.6)
+    lamps = (scenes.sun("Sun", elevation, 30, 0),)
+    probe = probe_of(dataclasses.replace(PLANE, paint=paint, lamps=lamps, elevation=50))
+    needs.fit(probe.scene)
+    picture = probe.picture()
+    geometry = probe.geometry()
+    shade = core.shade(core_paint(paint), core_lights(), **geometry.places())
+    wanted = bpy.data.lights["Sun"].energy * shade["radiance"][:, 0]
+    np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
+
+
 # --- composition -------------------------------------------------------------------------------
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

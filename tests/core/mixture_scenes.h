@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "diffuse_lobe.h"
 #include "flake_lobe.h"
 #include "mixture.h"
 #include "reference/optics.h"
@@ -230,26 +231,33 @@ inline ByAngle walked_by_angle(const SeenPaint& seen, std::size_t photons, std::
   return factors;
 }
 
+// pi f of the diffuse lobe for the albedo 1.
+inline double diffuse_factor(const Ramp<double>& ramp, double cos_light) {
+  return ramp_at(ramp, cos_light) / cos_light;
+}
+
 // Of single flakes and mixture together, the root mean square over the directions; and what it
-// would be with one Lambertian lobe for all of the mixture.
+// would be with one diffuse lobe for all of the mixture.
 struct LightnessError {
-  double two_lobes, lambertian;
+  double two_lobes, diffuse;
 };
 
-inline LightnessError lightness_error(const Mixture<double>& m, double cos_light,
+inline LightnessError lightness_error(const SeenPaint& seen, const Mixture<double>& m,
                                       const ByAngle& walked) {
   const std::vector<Vec3<double>> views = directions();
-  const GlossyLobe lobe(cos_light, m.alpha);
+  const GlossyLobe lobe(seen.cos_view, m.alpha);
+  const Ramp<double> ramp = make_ramp(seen.paint.binder_ior);
   LightnessError error{};
   for (std::size_t i = 0; i < kDirections; ++i) {
     const double wanted = lightness(walked.whole[i]);
-    const double matt = walked.single[i] + m.diffuse.x;
+    const double slanted = diffuse_factor(ramp, views[i].z);
+    const double matt = walked.single[i] + m.diffuse.x * slanted;
     const double off = lightness(matt + m.glossy.x * lobe(views[i])) - wanted;
-    const double flat = lightness(matt + m.glossy.x) - wanted;
+    const double flat = lightness(matt + m.glossy.x * slanted) - wanted;
     error.two_lobes += off * off / kDirections;
-    error.lambertian += flat * flat / kDirections;
+    error.diffuse += flat * flat / kDirections;
   }
-  return {std::sqrt(error.two_lobes), std::sqrt(error.lambertian)};
+  return {std::sqrt(error.two_lobes), std::sqrt(error.diffuse)};
 }
 
 }  // namespace core_tests

@@ -109,6 +109,7 @@ inline float reflection(Triple) { return 1; }
 #include "osl/close_up.h"
 #include "osl/composition.h"
 #include "osl/cones.h"
+#include "osl/diffuse_lobe.h"
 #include "osl/flake_lobe.h"
 #include "osl/footprint.h"
 #include "osl/mixture.h"

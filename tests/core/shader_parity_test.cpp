@@ -17,6 +17,7 @@
 
 #include "composition.h"
 #include "cones.h"
+#include "diffuse_lobe.h"
 #include "flake_lobe.h"
 #include "footprint.h"
 #include "light_slots.h"
@@ -439,6 +440,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("stack's glossy", shader_stack.glossy, stack.glossy);
   same("stack's alpha", shader_stack.alpha, stack.alpha);
   same("texture", shader_stack.texture, stack.texture);
+  std::array<osl::color, kRampColours> ramp;
+  osl::make_ramp(shader_layer.eta, ramp);
+  for (std::size_t i = 0; i < ramp.size(); ++i) same("ramp", ramp[i], grey(stack.ramp[i]));
 
   const Vec3<float> n = point.normal, v = point.view;
   const auto slope = static_cast<float>(paint.orange_peel);

@@ -114,8 +114,8 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     EXPECT_EQ(found.sparkles.x, sparkles.x);
     const double lobe = facet_lobe(point.normal, point.view, direction, m.alpha) /
                         facet_lobe_albedo(std::min(dot(point.normal, point.view), 1.0), m.alpha);
-    const double scattered =
-        stack.diffuse.x * dot(point.normal, direction) / kPi + stack.glossy.x * lobe;
+    const double slanted = ramp_at(make_ramp(layer.eta), dot(point.normal, direction));
+    const double scattered = stack.diffuse.x * slanted / kPi + stack.glossy.x * lobe;
     EXPECT_LE(relative_error(found.scattered.x, scattered), 1e-14);
     if (roughness == 0) {
       EXPECT_EQ(found.shine,

@@ -81,6 +81,13 @@ Model correlated.
 
 {hot_spot}
 
+## The diffuse lobe
+
+`tests/fits/diffuse_lobe.cpp`: `core/diffuse_lobe.h`. The mixture under light at each angle over the
+random walk's, for paints whose mixture is mostly this lobe; and the error of the whole in L*.
+
+{diffuse}
+
 ## The flakes' lobe
 
 `tests/fits/lobe_spread.cpp`: `kLobeSpread` of `core/flake_lobe.h`.
@@ -102,6 +109,7 @@ def build() -> None:
         "facet_fit",
         "hot_spot_fit",
         "lobe_spread",
+        "diffuse_lobe",
     ):
         tell(f"building {program}")
         run("cmake", "--build", BUILD, "--target", program)
@@ -147,6 +155,7 @@ def page(walks: Path) -> str:
         averages=run(PROGRAMS / "mixture_averages"),
         facets=run(PROGRAMS / "facet_fit"),
         hot_spot=run(PROGRAMS / "hot_spot_fit"),
+        diffuse=run(PROGRAMS / "diffuse_lobe"),
         lobe=run(PROGRAMS / "lobe_spread"),
     )
 

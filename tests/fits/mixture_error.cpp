@@ -289,24 +289,26 @@ Mixture<double> stretched(Mixture<double> m, double times) {
 }
 
 void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
-  std::vector<double> two_lobes, lambertian, best, ratio, shiny, grazing;
+  std::vector<double> two_lobes, diffuse, best, ratio, shiny, grazing;
   std::map<double, std::vector<double>> of_stretch;
   for (const auto& [seen, walked] : all) {
     Mixture<double> m = mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
     const auto error = [&](const Mixture<double>& other) {
-      return lightness_error(other, seen.cos_view, walked);
+      return lightness_error(seen, other, walked);
     };
     two_lobes.push_back(error(m).two_lobes);
-    lambertian.push_back(error(m).lambertian);
+    diffuse.push_back(error(m).diffuse);
     if (is_shiny(seen.paint)) {
-      shiny.push_back(lambertian.back() > 2 * two_lobes.back() ? 1 : 0);
+      shiny.push_back(diffuse.back() > 2 * two_lobes.back() ? 1 : 0);
     }
     // What the lobes show of light 15 degrees above the surface, of what the walk does.
     const GlossyLobe lobe(seen.cos_view, m.alpha);
+    const Ramp<double> ramp = make_ramp(seen.paint.binder_ior);
     const std::vector<Vec3<double>> lights = directions();
     for (std::size_t i : {std::size_t{0}, kDirections - std::size_t{1}}) {
       const double mixed = walked.whole[i] - walked.single[i];
-      const double shown = m.diffuse.x + m.glossy.x * lobe(lights[i]);
+      const double shown =
+          m.diffuse.x * diffuse_factor(ramp, lights[i].z) + m.glossy.x * lobe(lights[i]);
       if (seen.cos_view > 0.9 && mixed > 0.02) grazing.push_back(shown / mixed);
     }
     for (int i = -6; i <= 6; ++i) {
@@ -332,9 +334,9 @@ void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
   tell_quantiles("by angle: error in L*", two_lobes);
   tell("by angle: error in L*, mean", mean(two_lobes));
   tell("by angle: error in L*, standard deviation", deviation(two_lobes));
-  tell("by angle: error in L* with one Lambertian lobe, mean", mean(lambertian));
-  tell("by angle: error in L* with one Lambertian lobe, 95 %", quantile(lambertian, 0.95));
-  tell("by angle: error in L* with one Lambertian lobe, largest", quantile(lambertian, 1));
+  tell("by angle: error in L* with one diffuse lobe, mean", mean(diffuse));
+  tell("by angle: error in L* with one diffuse lobe, 95 %", quantile(diffuse, 0.95));
+  tell("by angle: error in L* with one diffuse lobe, largest", quantile(diffuse, 1));
   tell("by angle: share of the shiny paints where that errs more than twice as much", mean(shiny));
   tell("by angle: M shown over walked, view at 14 degrees, light at 75, median",
        quantile(grazing, 0.5));

@@ -42,6 +42,7 @@ ONLY_CORE = {
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
+    "ramp_at": "a closure",
     **dict.fromkeys(("reflectance", "flake_albedo", "directional_albedo"), "likewise"),
     "each_choice": "words, for error messages",
     "each_flake_parameter": "for checks and bindings",
