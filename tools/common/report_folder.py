@@ -57,7 +57,7 @@ MOTION = ReportFolder("motion", ("motion.webp", "turntable.jpg", "dolly.jpg", "p
 GALLERY = ReportFolder(
     "gallery",
     ("swatches.jpg", "car-sun.jpg", "car-sky.jpg", "car-surroundings.jpg", "car-studio.jpg",
-     "macro.jpg", "distance.jpg"),
+     "macro.jpg", "distance.jpg", "turntable.webp"),
 )  # fmt: skip
 
 

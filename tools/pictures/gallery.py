@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Renders the gallery: a sheet of all presets, the car in four lights, a macro, three distances."""
+"""Renders the gallery: a sheet of all presets, the car in four lights, near and far, a film."""
 
 from __future__ import annotations
 
@@ -10,28 +10,46 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from common.processes import ROOT, TOOLS, StepFailedError, describe, run_limited, run_program, say
+from common import environments
+from common.processes import (
+    ROOT,
+    TOOLS,
+    StepFailedError,
+    describe,
+    run_limited,
+    run_program,
+    run_step,
+    say,
+)
 from common.report_folder import GALLERY, REPORT
 from metallic_paint.paint import presets
 
 SECONDS = 3600  # for one picture
 
+FILM = "turntable"
 CAPTIONS = {
     "swatches": "Paints under a sun and the light of a courtyard (one of the surroundings that "
     "come with Blender). The ball is 40 mm wide: what one sees at arm's length.",
-    "car-sun": "candy-red under the sun alone: no sky, so what does not mirror the sun is dark. "
-    "A pixel holds thousands of flakes and shows their mean.",
+    "car-sun": "deep-blue under the sun and the dim light of an even sky: what does not mirror "
+    "the sun is dark. A pixel holds thousands of flakes and shows nearly their mean.",
     "car-sky": "silver-coarse under sun and sky: the flop from the light shoulder to the dark "
     "flank.",
     "car-surroundings": "green-purple in a wood (one of Blender's surroundings): green where one "
     "looks straight at it, blue and purple aslant.",
-    "car-studio": "deep-blue in a studio, under area lights alone: they light the flakes without "
-    "sparkles.",
-    "macro": "Near by, under the sun; the words tell how wide each picture is. In the first two a "
-    "pixel is one to two flakes wide. Exposed for the flakes that mirror the sun.",
+    "car-studio": "candy-red in the studio of `./paint demo`: softboxes, whose edges draw the "
+    "body's lines, and a small lamp, about whose mirror image the sparkles crowd.",
+    "macro": "Near by, aslant through a lens wide open, under the sun: 12 mm of silver-coarse, "
+    "3 mm of green-purple, 12 mm of glass-flake-black, 20 mm of bass-boat. Flakes are seen as "
+    "such, and are discs of blur where they are out of focus.",
     "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
     "then the flop alone. The last is enlarged 8 times.",
+    FILM: "candy-red on a turntable that swings by five degrees: sparkles ride on the paint, and "
+    "flash where the lamp's mirror image passes.",
 }
+
+
+def file_of(picture: str) -> str:
+    return f"{picture}.{'webp' if picture == FILM else 'jpg'}"
 
 
 def chosen(only: str) -> dict[str, list[str]]:
@@ -53,18 +71,26 @@ def report(pictures: Sequence[str], shown: Sequence[str]) -> Iterator[str]:
     """The lines of the folder's index."""
     yield from (GALLERY.mark, "", "# Gallery", "")
     yield (
-        "Rendered with Cycles, view transform Standard, no denoising and no clamping of direct "
-        "light. `./paint gallery` makes it again."
+        "Rendered with Cycles, view transform AgX, all but the sparkles denoised by the add-on, no "
+        "clamping of direct light. `./paint gallery` makes it again."
     )
     yield ""
     for picture in pictures:
-        yield from (f"![{picture}]({picture}.jpg)", "", CAPTIONS[picture], "")
+        yield from (f"![{picture}]({file_of(picture)})", "", CAPTIONS[picture], "")
     if "swatches" in pictures:
         yield from ("| preset | what it is |", "| --- | --- |")
         for name in shown:
             content = json.loads((presets.FOLDER / f"{name}.json").read_text(encoding="utf-8"))
             yield f"| {name} | {content['description']} |"
         yield ""
+
+
+def make_film(frames: Path) -> None:
+    """Of the frames in the file, in its place."""
+    environments.prepare_tool(environments.ACCURACY)  # it has Pillow
+    command = [environments.ACCURACY.python, TOOLS, "pictures.film", frames]
+    run_step("Making the film", [*command, "--out", frames.with_suffix(".webp")], "film.log")
+    frames.unlink()
 
 
 def main() -> int:
@@ -93,11 +119,16 @@ def main() -> int:
         for number, picture in enumerate(pictures, 1):
             say(f"{picture} ({number} of {len(pictures)})…")
             # One process each: a Blender that has rendered much is slow to end, and may hang.
-            command = [*program, picture, "--out", folder / f"{picture}.jpg"]
+            file = folder / file_of(picture)
+            if picture == FILM:
+                file = file.with_suffix(".npy")
+            command = [*program, picture, "--out", file]
             command += ["--quick"] * arguments.quick
             code = run_limited([*command, "--presets", *shown], seconds=SECONDS)
             if code != 0:
                 raise StepFailedError(f"{picture} failed ({describe(code)}); nothing was written.")
+            if picture == FILM:
+                make_film(file)
         lines = report(list(pictures), shown)
         (folder / REPORT).write_text("\n".join(lines), encoding="utf-8")
     say(f"{arguments.out / REPORT}, {time.monotonic() - start:.0f} s in all")

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -23,7 +24,7 @@ from pictures import render_scene, studio  # noqa: E402
 from pictures.render_scene import RenderError, say  # noqa: E402
 
 QUICK_SAMPLES = 4
-MOST_BYTES = {"swatches": 490_000}  # a picture of the repository is small
+MOST_BYTES = {"swatches": 490_000, "macro": 390_000}  # a picture of the repository is small
 OTHERWISE_MOST = 290_000
 
 
@@ -60,7 +61,7 @@ class Photographer:
 
 
 def swatches(photographer: Photographer) -> list[list[np.ndarray]]:
-    scene = photographer.scene(280, 210, 36)
+    scene = photographer.scene(280, 210, 16)
     things = scenes.swatch(scene)
     render_scene.paint_objects(things, render_scene.load_paint(photographer.names[0]))
     label = scenes.add_label(scene, "")
@@ -81,9 +82,9 @@ def car(
     photographer: Photographer,
     preset: str,
     light: Callable[[bpy.types.Scene], None],
-    samples: int = 48,
+    samples: int = 16,
 ) -> list[list[np.ndarray]]:
-    scene = photographer.scene(800, 450, samples)
+    scene = photographer.scene(880, 495, samples)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     light(scene)
@@ -91,15 +92,15 @@ def car(
 
 
 def sun(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.12)
-    scenes.add_sun(scene, TOWARDS_SUN, 4.5)
-    scenes.set_world(scene, 0)
+    scenes.add_floor(scene, 400, 0.05, roughness=0.35)
+    scenes.add_sun(scene, TOWARDS_SUN, 5.5, (1, 0.95, 0.88))
+    scenes.set_world(scene, 0.25, (0.45, 0.65, 1))
 
 
 def sky(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.16)
-    scenes.add_sun(scene, TOWARDS_SUN, 2.6, (1, 0.93, 0.84))
-    scenes.set_sky(scene, TOWARDS_SUN, 0.12)
+    scenes.add_floor(scene, 400, 0.12)
+    scenes.add_sun(scene, TOWARDS_SUN, 3.2, (1, 0.93, 0.84))
+    scenes.set_sky(scene, TOWARDS_SUN, 0.10)
 
 
 def surroundings(scene: bpy.types.Scene) -> None:
@@ -113,21 +114,20 @@ def softboxes(scene: bpy.types.Scene) -> None:
 
 def macro(photographer: Photographer) -> list[list[np.ndarray]]:
     shown = [
-        ("silver-coarse", 12), ("green-purple", 12), ("glass-flake-black", 40), ("bass-boat", 60)
+        ("silver-coarse", 12), ("green-purple", 3), ("glass-flake-black", 12), ("bass-boat", 20)
     ]  # fmt: skip
     shots = []
     for preset, mm in shown[:2] if photographer.quick else shown:
-        scene = photographer.scene(320, 320, 24, exposure=-2.5)  # flakes that mirror the sun
-        ball = scenes.close_up(scene, mm * 1e-3)
+        scene = photographer.scene(300, 300, 96, exposure=-0.5)  # flakes that mirror the sun
+        ball = scenes.macro(scene, mm * 1e-3)
         render_scene.paint_objects([ball], render_scene.load_paint(preset))
-        scenes.add_label(scene, f"{preset}, {mm} mm")
         shots.append(photographer.shoot(scene, preset))
     return [shots]
 
 
 def distance(photographer: Photographer) -> list[list[np.ndarray]]:
     preset, enlarged = "silver-coarse", 8
-    scene = photographer.scene(400, 300, 48)
+    scene = photographer.scene(400, 300, 20)
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     sky(scene)
@@ -153,14 +153,44 @@ def _middle(shot: np.ndarray, scale: int) -> np.ndarray:
     return part.repeat(scale, axis=0).repeat(scale, axis=1)[:h, :w]
 
 
+TURN = math.radians(5)  # of the turntable, to and fro
+FRAMES = 16  # one way
+
+
+def turntable(photographer: Photographer) -> list[list[np.ndarray]]:
+    """The front wing while the car turns to and fro: a row for each frame."""
+    scene = photographer.scene(416, 234, 12)
+    scene.render.use_persistent_data = True  # the paint stays compiled
+    body = scenes.car(scene)
+    render_scene.paint_objects([body], render_scene.load_paint("candy-red"))
+    table = bpy.data.objects.new("Turntable", None)
+    for thing in scene.objects:
+        if thing.type == "MESH":
+            thing.parent = table
+    scene.collection.objects.link(table)
+    softboxes(scene)
+    away = Vector((0.45, -1, 0.35)).normalized()
+    target = scenes.seen_point(scene, Vector((1.05, -0.8, 0.72)), away)
+    bpy.data.objects.remove(scene.camera)
+    camera = scenes.add_camera(scene, target + 3 * away, target, 0.9).data
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = True, 3, 2.0
+    frames = 3 if photographer.quick else FRAMES
+    rows = []
+    for k in range(frames):
+        table.rotation_euler.z = -TURN / 2 * math.cos(math.pi * k / (frames - 1))
+        rows.append([photographer.shoot(scene, f"frame {k}")])
+    return rows
+
+
 PICTURES: dict[str, Callable[[Photographer], list[list[np.ndarray]]]] = {
     "swatches": swatches,
-    "car-sun": lambda photographer: car(photographer, "candy-red", sun),
+    "car-sun": lambda photographer: car(photographer, "deep-blue", sun),
     "car-sky": lambda photographer: car(photographer, "silver-coarse", sky),
     "car-surroundings": lambda photographer: car(photographer, "green-purple", surroundings),
-    "car-studio": lambda photographer: car(photographer, "deep-blue", softboxes, 128),
+    "car-studio": lambda photographer: car(photographer, "candy-red", softboxes),
     "macro": macro,
     "distance": distance,
+    "turntable": turntable,
 }
 
 
@@ -185,6 +215,9 @@ def main() -> None:
     arguments = parser.parse_args()
     with render_scene.quiet():
         rows = PICTURES[arguments.picture](Photographer(arguments.quick, arguments.presets))
+        if arguments.out.suffix == ".npy":  # frames of a film
+            np.save(arguments.out, np.stack([np.concatenate(row, axis=1) for row in rows]))
+            return
         picture = np.concatenate([np.concatenate(row, axis=1) for row in rows])
         write(picture, arguments.out, MOST_BYTES.get(arguments.picture, OTHERWISE_MOST))
 

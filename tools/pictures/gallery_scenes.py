@@ -232,6 +232,25 @@ def close_up(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
     return ball
 
 
+def macro(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
+    """The top of a ball, aslant, in a picture so many metres wide, lit nearly from the camera.
+
+    The lens has a depth of field. A point that lies h nearer or farther than the middle, at the
+    distance d, is a disc as wide as A h / d, with A the lens' aperture. At the picture's edges h is
+    width tan(slant) / 2; there the disc is to be 4 % of the picture.
+    """
+    slant, distance = math.radians(40), 15 * width
+    ball = add_ball(scene, (0, 0, -6 * width), 6 * width)
+    towards = Vector((0, -math.sin(slant), math.cos(slant)))
+    camera = add_camera(scene, distance * towards, (0, 0, 0), width).data
+    aperture = 0.04 * 2 * distance / math.tan(slant)
+    camera.dof.use_dof, camera.dof.focus_distance = True, distance
+    camera.dof.aperture_fstop = camera.lens * 1e-3 / aperture
+    add_sun(scene, (0.2, 0.35, 0.9), 1.7)  # its image in the lacquer lies beside the picture
+    set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)
+    return ball
+
+
 def car(scene: bpy.types.Scene) -> bpy.types.Object:
     body = demo_model.build_car(scene)
     bpy.context.view_layer.update()
