@@ -53,7 +53,7 @@ TABLE = ROOT / "core" / "coating_library.inc"  # which the shader includes from 
 TESTED = BUILD / "extension"  # where tests/extension finds the zip
 RENDERED = BUILD / "asset-library"
 RENDERED_FROM = (
-    *(ADDON / name for name in ("paint", "scene/carrier.py", "scene/lights.py")),
+    *(ADDON / name for name in ("paint", "scene/carrier.py", "scene/lights.py", "scene/sky.py")),
     ROOT / "osl",
     TABLE,
     TOOLS / "extension" / "asset_library.py",

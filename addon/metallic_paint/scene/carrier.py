@@ -35,9 +35,9 @@ _MARK = "metallic_paint_carrier"
 _POINTER = "metallic_paint_lights"  # an object's property
 
 SLOTS = 8
-PARALLEL, POSITIONED, AREA = 1, 2, 3  # the shader's kinds; 0 is an unused slot
+PARALLEL, POSITIONED, AREA, SKY = 1, 2, 3, 4  # the shader's kinds; 0 is an unused slot
 KINDS = {"SUN": PARALLEL, "POINT": POSITIONED, "SPOT": POSITIONED, "AREA": AREA}
-_NAMES = {PARALLEL: "Direction", POSITIONED: "Position", AREA: "Area"}
+_NAMES = {PARALLEL: "Direction", POSITIONED: "Position", AREA: "Area", SKY: "Sky"}
 
 # An attribute that is missing is (0, 0, 0, 0): so a slot's fourth number, its size, is never 0.
 _LEAST_SIZE = 1e-30
@@ -238,6 +238,19 @@ def set_values(
         tree[_name(slot, kind)] = numbers_of(light, matrices[light])
         if kind == AREA:
             tree[_facing_name(slot)] = facing_of(light, matrices[light])
+    tree.update_tag()
+
+
+def set_sky(slot: int, numbers: tuple[float, float, float, float] | None) -> None:
+    """Where the sun of the world stands, which no driver follows; None: it has none."""
+    tree = only()
+    name = _name(slot, SKY)
+    for other in [key for key in {*tree.keys()} if key.endswith(_NAMES[SKY]) and key != name]:
+        del tree[other]
+    if numbers is not None:
+        tree[name] = numbers
+    elif name in tree:
+        del tree[name]
     tree.update_tag()
 
 

@@ -34,7 +34,7 @@ def expect(paint: Paint, seen: Seen, lamps: tuple[bpy.types.Object, ...]) -> Exp
         return Expected(flakes, None, None, None, None)
     import metallic_paint_core as core
 
-    slots = core_lights()
+    slots = core_lights()[: len(lamps)]  # without the sun of a world
     if not slots:
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
     given: dict[str, Any] = {

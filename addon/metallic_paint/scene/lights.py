@@ -17,7 +17,7 @@ from typing import Literal
 import bpy
 from mathutils import Matrix, Vector
 
-from . import carrier
+from . import carrier, sky
 
 NAME = "Metallic Paint Lights"
 VERSION = 4  # of its outputs: paints of an older version keep the group that they came with
@@ -43,9 +43,12 @@ class Report:
     slots: tuple[bpy.types.Object, ...]  # slot 1 first
     left_out: dict[bpy.types.Object, str]  # why they make no sparkles
     read_only: tuple[str, ...]  # linked files whose paints keep the lights they came with
+    sky: str = ""  # the world's sun, which has the slot after them
 
     def __str__(self) -> str:
         lines = [f"light {i}: {light.name_full}" for i, light in enumerate(self.slots, 1)]
+        if self.sky:
+            lines.append(f"light {len(self.slots) + 1}: {self.sky}")
         lines += [
             f"no sparkles from {light.name_full}: {why}" for light, why in self.left_out.items()
         ]
@@ -84,7 +87,8 @@ def fill(scene: bpy.types.Scene) -> Report:
     stay that send the greatest irradiance to any painted object, not counting shadows, light
     linking, and nodes of the light; those hidden now come last. The slots are ordered by name, so a
     light's sparkles do not change when another light grows brighter; area lights come after all
-    others. A file of several scenes has the lights of the scene filled last.
+    others, and the sun of the world last, where a slot is left. A file of several scenes has the
+    lights of the scene filled last.
     """
     group = _one_group()
     layers = used_layers(scene)
@@ -110,10 +114,17 @@ def fill(scene: bpy.types.Scene) -> Report:
             layer.update()
     carrier.set_values(lights, matrices)
     kinds = [carrier.KINDS[light.data.type] for light in lights]
+    numbers = [_constants(light, matrices[light]) for light in lights]
+    sun = sky.find(scene) if len(lights) < SLOTS else None
+    in_sky = (*sun.direction, max(sun.sine, 1e-6)) if sun else None
+    carrier.set_sky(len(lights) + 1, in_sky)
+    if in_sky:
+        kinds.append(carrier.SKY)
+        numbers.append((in_sky, (0.0, 0.0, 0.0)))
     if _kinds(group) != kinds:
-        _build(group, kinds, [_constants(light, matrices[light]) for light in lights])
+        _build(group, kinds, numbers)
     _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
-    return Report(tuple(lights), left_out, linked_files())
+    return Report(tuple(lights), left_out, linked_files(), sun.name if sun else "")
 
 
 def why_not(light: bpy.types.Object) -> str:

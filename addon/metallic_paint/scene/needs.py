@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..paint import material
-from . import carrier, lights
+from . import carrier, lights, sky
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
 _NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
@@ -48,6 +48,7 @@ class Needs:
                 ["This file has no metallic paint of its own.", *str(self.lights).splitlines()]
             )
         slots, without = len(self.lights.slots), len(self.lights.left_out)
+        slots += bool(self.lights.sky)
         lines = str(self.lights).splitlines()
         if not slots:
             why = "none of these lights has a slot" if without else "no light renders"
@@ -145,6 +146,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         for lamp in lamps
     ]
     seen += [lights.why_not(lamp) for lamp in lamps]
+    seen.append(sky.find(scene))
     seen += [
         (
             shape.name_full, shape.type, shape.hide_render, _instanced_lamps(shape),

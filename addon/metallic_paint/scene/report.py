@@ -40,7 +40,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
     fitted = needs.fit(scene)
     for sentence in str(fitted).splitlines():
         lines.append((INFO, sentence[0].upper() + sentence[1:].rstrip(".") + "."))
-    if lights.groups() and not fitted.lights.slots:
+    if lights.groups() and not (fitted.lights.slots or fitted.lights.sky):
         lines.append(
             (WARNING, "Nothing sparkles: add a sun, spot, point or area light that renders.")
         )

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sun of a world: of Blender's sky, or the brightest spot of an environment image.
+
+Cycles lights, colours and shadows it as part of the world. The shader needs its direction, and the
+disc that has as many sparkles. Directions were measured in renders, in Blender 4.5 and 5.2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+REACH = 0.02  # rad, of the cone about the sun that sparkles: kSkyReach of the core
+# Of all the image's light, what that cone must have to hold a sun. It fills 1e-4 of the sphere: so
+# it is five hundred times as bright as the mean. A lamp in a room is wider, or dimmer.
+LEAST_SHARE = 0.05
+_MOST_PIXELS = 2**25  # 8192 x 4096
+_FINER = 4  # steps in a pixel: Cycles interpolates between pixels
+
+
+@dataclass(frozen=True)
+class Sun:
+    name: str
+    direction: tuple[float, float, float]  # towards it
+    sine: float  # of its angular radius
+
+
+@dataclass(frozen=True)
+class _Spot:
+    direction: tuple[float, float, float]  # in the texture's space
+    sine: float
+
+
+_found: dict[tuple[object, ...], _Spot | None] = {}  # of images, which are searched once
+
+
+def find(scene: bpy.types.Scene) -> Sun | None:
+    """None where there is none, or where what lies between it and the world is not known."""
+    world = scene.world
+    tree = world.node_tree if world else None
+    if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
+        return None
+    out = tree.get_output_node("CYCLES")
+    background = _source(out.inputs["Surface"]) if out else None
+    if background is None or background.type != "BACKGROUND" or background.mute:
+        return None
+    strength = background.inputs["Strength"]
+    source = _source(background.inputs["Color"])
+    if source is None or source.mute or not (strength.is_linked or strength.default_value > 0):
+        return None
+    if isinstance(source, bpy.types.ShaderNodeTexSky):
+        spot, turned = _of_sky(source), Matrix.Identity(3)
+    elif isinstance(source, bpy.types.ShaderNodeTexEnvironment):
+        spot, turned = _of_image(source), _turned(source.inputs["Vector"])
+    else:
+        return None
+    if spot is None or turned is None:
+        return None
+    x, y, z = (turned @ Vector(spot.direction)).normalized()
+    return Sun(f"the sun of {world.name_full}", (x, y, z), spot.sine)
+
+
+def _source(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    return socket.links[0].from_node if socket.is_linked else None
+
+
+def _of_sky(node: bpy.types.ShaderNodeTexSky) -> _Spot | None:
+    """Skies with a sun take no direction from outside: their Vector is not used."""
+    if node.sky_type in ("PREETHAM", "HOSEK_WILKIE") or not node.sun_disc:
+        return None
+    if node.sun_intensity <= 0:
+        return None
+    up, turn = node.sun_elevation, node.sun_rotation
+    across = math.cos(up)
+    direction = (math.sin(turn) * across, math.cos(turn) * across, math.sin(up))
+    return _Spot(direction, math.sin(node.sun_size / 2))
+
+
+def _turned(socket: bpy.types.NodeSocket) -> Matrix | None:
+    """From the texture's space into the world's; None where it is not known."""
+    node = _source(socket)
+    if node is None or _is_generated(socket):
+        return Matrix.Identity(3)
+    if not isinstance(node, bpy.types.ShaderNodeMapping) or node.mute:
+        return None
+    location, rotation, scale = (node.inputs[each] for each in ("Location", "Rotation", "Scale"))
+    if location.is_linked or rotation.is_linked or scale.is_linked:
+        return None
+    if any(location.default_value) or {*scale.default_value} != {1.0}:
+        return None
+    if not _is_generated(node.inputs["Vector"]):
+        return None
+    matrix = rotation.default_value.to_matrix()
+    return matrix if node.vector_type == "TEXTURE" else matrix.inverted_safe()
+
+
+def _is_generated(socket: bpy.types.NodeSocket) -> bool:
+    """Whether it takes the direction itself, from a Texture Coordinate node."""
+    return socket.is_linked and (
+        socket.links[0].from_node.type == "TEX_COORD"
+        and socket.links[0].from_socket.name == "Generated"
+    )
+
+
+def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
+    image = node.image
+    if image is None or node.projection != "EQUIRECTANGULAR":
+        return None
+    if image.source not in ("FILE", "GENERATED"):
+        return None
+    key = image.name_full, image.filepath, tuple(image.size), image.colorspace_settings.name
+    if key not in _found:
+        _found[key] = _search(image)
+    return _found[key]
+
+
+def _search(image: bpy.types.Image) -> _Spot | None:
+    width, height = image.size
+    if not 64 <= width * height <= _MOST_PIXELS or image.channels < 3:
+        return None
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    colours = pixels.reshape(height, width, image.channels)[:, :, :3]
+    light = np.maximum(np.nan_to_num(colours.mean(axis=2), posinf=0), 0)
+    return spot_of(light)
+
+
+def spot_of(light: np.ndarray) -> _Spot | None:
+    """Of an equirectangular image's brightness, its lowest row first."""
+    height, width = light.shape
+    polar = math.pi * ((np.arange(height) + 0.5) / height - 0.5)
+    pixel = 2 * math.pi / width * math.pi / height
+    total = float((light.sum(axis=1) * np.cos(polar)).sum() * pixel)
+    row, column = np.unravel_index(int(light.argmax()), light.shape)
+    # Within the cone about the brightest pixel, and once more about the spot's own centre.
+    off = math.ceil(2 * REACH / (math.pi / height)) + 2
+    rows = np.arange(max(row - off, 0), min(row + off, height - 1) + 1)
+    aside = math.ceil(off / max(math.cos(polar[row]), 1e-3))
+    columns = column + np.arange(-min(aside, width // 2), min(aside, width // 2) + 1)
+    patch = light[np.ix_(rows, columns % width)]
+    finer_rows = np.linspace(rows[0], rows[-1], _FINER * (len(rows) - 1) + 1)
+    finer_columns = np.linspace(columns[0], columns[-1], _FINER * (len(columns) - 1) + 1)
+    patch = np.array([np.interp(finer_rows, rows, each) for each in patch.T]).T
+    patch = np.array([np.interp(finer_columns, columns, each) for each in patch])
+    up = math.pi * ((finer_rows + 0.5) / height - 0.5)[:, None]
+    turn = -2 * math.pi * ((finer_columns + 0.5) / width - 0.5)[None, :]
+    directions = np.stack(
+        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], axis=-1
+    )
+    solid_angle = pixel / _FINER**2 * np.cos(up) + 0 * turn
+    centre = directions.reshape(-1, 3)[int(patch.argmax())]
+    for _ in range(2):
+        held = ((directions - centre) ** 2).sum(axis=-1) <= REACH**2
+        power = patch * solid_angle * held
+        if not power.sum() > 0:
+            return None
+        centre = (directions * power[..., None]).sum(axis=(0, 1))
+        centre = centre / np.linalg.norm(centre)
+    flux = float(power.sum())
+    if not flux >= LEAST_SHARE * total:
+        return None
+    # The disc with as many sparkles: uneven light L counts as (integral of L)^2/integral of L^2.
+    even = flux**2 / float((patch * power).sum())
+    h = min(even / (4 * math.pi), 0.5)
+    x, y, z = centre.tolist()
+    return _Spot((x, y, z), 2 * math.sqrt(h * (1 - h)))

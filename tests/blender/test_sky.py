@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sun of a world has a slot: Blender's sky, and the brightest spot of an environment image."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import metallic_paint_core as core
+import numpy as np
+import pytest
+import seeds
+from mathutils import Euler, Vector
+from metallic_paint import verify
+from metallic_paint.native import core_lights
+from metallic_paint.paint import Paint, core_paint
+from metallic_paint.scene import carrier, lights, needs, sky
+from verification import scenes
+
+WIDTH, HEIGHT = 2048, 1024
+
+
+def directions() -> np.ndarray:
+    """Of the image's pixels, lowest row first."""
+    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
+    turn = -2 * math.pi * ((np.arange(WIDTH) + 0.5) / WIDTH - 0.5)[None, :]
+    return np.stack(
+        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], -1
+    )
+
+
+def disc(towards: np.ndarray, radius: float, sun: float, rest: float) -> np.ndarray:
+    near = directions() @ (towards / np.linalg.norm(towards)) > math.cos(radius)
+    return np.where(near, sun, rest).astype(np.float32)
+
+
+def world_of(light: np.ndarray) -> bpy.types.ShaderNodeTexEnvironment:
+    world = bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True
+    bpy.context.scene.world = world
+    tree = world.node_tree
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    image = bpy.data.images.new("Sky", WIDTH, HEIGHT, float_buffer=True)
+    pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
+    pixels[..., :3] = light[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    node.image = image
+    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs["Color"])
+    return node
+
+
+def random_sun(number: int) -> tuple[np.ndarray, float]:
+    random = seeds.fresh(number)
+    towards = random.normal(size=3)
+    towards[2] = abs(towards[2]) + 0.5
+    return towards / np.linalg.norm(towards), float(random.uniform(0.008, 0.015))
+
+
+def test_the_spot_is_found_with_direction_and_size() -> None:
+    for k in range(4):
+        towards, radius = random_sun(620 + k)
+        spot = sky.spot_of(disc(towards, radius, 1e5, 0.3))
+        assert spot is not None
+        assert Vector(spot.direction).angle(Vector(towards)) < 2e-3
+        assert spot.sine == pytest.approx(math.sin(radius), rel=0.12)  # of pixels 3 mrad wide
+
+
+def test_what_is_no_sun_has_no_slot() -> None:
+    towards, _ = random_sun(630)
+    assert sky.spot_of(disc(towards, 0.01, 50, 0.3)) is None  # a share of 1 %
+    assert sky.spot_of(disc(towards, 0.5, 10, 0.1)) is None  # a window
+    assert sky.spot_of(np.zeros((HEIGHT, WIDTH), np.float32)) is None
+
+
+@pytest.mark.every_blender
+def test_the_slot_follows_the_worlds_mapping_and_the_skys_sun() -> None:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scenes.build(bpy.context.scene, scenes.Scene("sky", paint=Paint(), lamps=()), 16)
+    towards, radius = random_sun(640)
+    node = world_of(disc(towards, radius, 1e5, 0.3))
+    scene, tree = bpy.context.scene, bpy.context.scene.world.node_tree
+    assert needs.fit(scene).lights.sky == "the sun of World"
+    assert "light 1: the sun of World" in needs.said()
+    [(kind, vector, _, _)] = carrier.values()
+    assert kind == carrier.SKY
+    assert vector.angle(Vector(towards)) < 2e-3
+    mapping, where = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(where.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+    mapping.inputs["Rotation"].default_value = turn = Euler((0.1, 0.2, 0.5))
+    assert not needs.is_fitted(scene)
+    needs.fit(scene)
+    expected = turn.to_matrix().inverted() @ Vector(towards)
+    assert carrier.values()[0][1].angle(expected) < 2e-3
+
+    blue = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(blue.outputs[0], tree.nodes["Background"].inputs["Color"])
+    blue.sun_elevation, blue.sun_rotation = 0.6, 0.7
+    needs.fit(scene)
+    [(_, vector, size, _)] = carrier.values()
+    across = math.cos(0.6)
+    assert (
+        vector.angle(Vector((math.sin(0.7) * across, math.cos(0.7) * across, math.sin(0.6)))) < 1e-4
+    )
+    assert size == pytest.approx(math.sin(blue.sun_size / 2), rel=1e-5)
+    blue.sun_disc = False
+    needs.fit(scene)
+    assert carrier.values() == []
+    assert lights.constant("Light1Kind") == 0
+
+
+def test_an_images_sun_glitters_as_a_sun_lamp_does() -> None:
+    """Of one direction, size and strength: the same sparkles, and the same light in the mean."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    paint = Paint(tilt=0.2)
+    spec = scenes.Scene("sky", paint=paint, lamps=(), orthographic=True, elevation=60, width=0.5)
+    item = scenes.build(bpy.context.scene, spec, 64)
+    probe = verify.Probe(bpy.context.scene, [item.active_material])
+    scene = probe.scene
+    scene.cycles.samples, scene.cycles.max_bounces = 1, 1
+    view = np.array(scene.camera.matrix_world)[:3, 2]
+    towards = view * [-1, -1, 1] + [0.1, 0, 0]
+    world_of(disc(towards, 0.012, 2e4, 0.05))
+    needs.fit(scene)
+    places = probe.geometry().places()
+    counts = probe.image(verify.COUNT, 0)
+    scene.cycles.samples = 64
+    irradiance = float(probe.image(verify.IRRADIANCE, 0).mean())
+    shown = probe.image(verify.SPARKLES, 0)
+    found = core.evaluate(core_paint(paint), core_lights(), **places, precision="float")
+    np.testing.assert_array_equal(counts[..., 0].ravel(), found["count"][:, 0])
+    mean = irradiance * found["mean_radiance"].mean(axis=(0, 1))
+    deviation = irradiance * np.sqrt(found["variance"].mean(axis=(0, 1)) / shown[..., 0].size)
+    assert (np.abs(shown.mean(axis=(0, 1)) - mean) < 5 * deviation + 0.01 * mean).all()
+    of_world = probe.picture().mean(axis=(0, 1))
+
+    # The lamp instead, and the rest of the world as it was.
+    sine = core_lights()[0].size
+    direction = np.array(core_lights()[0].vector)
+    data = bpy.data.lights.new("Sun", "SUN")
+    data.angle = 2 * math.asin(sine)
+    data.energy = irradiance - 0.05 * 2 * math.pi * (1 - math.cos(0.02))
+    lamp = bpy.data.objects.new("Sun", data)
+    lamp.rotation_euler = Vector(direction).to_track_quat("Z", "Y").to_euler()
+    scene.collection.objects.link(lamp)
+    world_of(disc(towards, 0.012, 0.05, 0.05))
+    needs.fit(scene)
+    np.testing.assert_allclose(probe.picture().mean(axis=(0, 1)), of_world, rtol=0.02)
