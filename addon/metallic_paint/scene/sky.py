@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector
+from mathutils import Euler, Matrix, Vector
 
 REACH = 0.02  # rad, of the cone about the sun that sparkles: kSkyReach of the core
 # Of all the image's light, what that cone must have to hold a sun. It fills 1e-4 of the sphere: so
@@ -90,11 +90,12 @@ def _turned(socket: bpy.types.NodeSocket) -> Matrix | None:
     location, rotation, scale = (node.inputs[each] for each in ("Location", "Rotation", "Scale"))
     if location.is_linked or rotation.is_linked or scale.is_linked:
         return None
-    if any(location.default_value) or {*scale.default_value} != {1.0}:
+    moved, turned, scaled = (np.array(each.default_value) for each in (location, rotation, scale))
+    if moved.any() or (scaled != 1).any():
         return None
     if not _is_generated(node.inputs["Vector"]):
         return None
-    matrix = rotation.default_value.to_matrix()
+    matrix = Euler(turned.tolist()).to_matrix()
     return matrix if node.vector_type == "TEXTURE" else matrix.inverted_safe()
 
 
