@@ -128,6 +128,7 @@ def test_an_images_sun_glitters_as_a_sun_lamp_does() -> None:
     counts = probe.image(verify.COUNT, 0)
     scene.cycles.samples = 64
     irradiance = float(probe.image(verify.IRRADIANCE, 0).mean())
+    assert irradiance > 1
     shown = probe.image(verify.SPARKLES, 0)
     found = core.evaluate(core_paint(paint), core_lights(), **places, precision="float")
     np.testing.assert_array_equal(counts[..., 0].ravel(), found["count"][:, 0])

@@ -113,7 +113,8 @@ def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
         return None
     if image.source not in ("FILE", "GENERATED"):
         return None
-    key = image.name_full, image.filepath, tuple(image.size), image.colorspace_settings.name
+    # Names come again in the next file; this number does not in a session.
+    key = image.session_uid, image.filepath, tuple(image.size), image.colorspace_settings.name
     if key not in _found:
         _found[key] = _search(image)
     return _found[key]
