@@ -38,7 +38,7 @@ TILES = 12  # of a picture, at least: Cycles tells how far it is after each
 LOG_LINES = 25
 
 STUDIO_SIZE = (960, 540)
-STUDIO_SAMPLES = 32
+STUDIO_SAMPLES = 24
 VIEW_TRANSFORM, LOOK = "AgX", "AgX - Medium High Contrast"  # as a camera's film takes bright light
 
 _console: IO[str] = sys.stdout
