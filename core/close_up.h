@@ -90,6 +90,11 @@ inline constexpr double kCutDeviation = 0.00849070261;
 inline constexpr double kLeastInCell = 0.5;
 inline constexpr std::uint32_t kMostInCell = 64;
 
+// Whether flakes are seen or counted is one decision over a square of so many flakes a side: a
+// flake or a cell of the anchor that its border cuts shows part of its sparkle, which takes
+// variance away.
+inline constexpr double kBlockSide = 12;
+
 // A view that runs flatter through the binder (an index below 1.03 has such) sees flakes that are
 // cut at the neighbouring cells' ends.
 inline constexpr double kFlattestView = 0.25;
@@ -176,7 +181,7 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
 
 // `inside` is the direction v to the observer in the binder, `size` that of the anchor's cells in
 // mean flake areas: cells of one flake or less are seen close up, of two or more in counts, between
-// them some are and some are not.
+// them some blocks are and some are not.
 template <class T>
 FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> inside, const LatticePoint<T>& at, T size, HashWords key) {
@@ -184,6 +189,11 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T cos_in = min(dot(inside, normal), T(1));
   first.hiding = flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in;
   if (!(first.hiding > 0)) return first;
+  const T block = T(kBlockSide) * sqrt(flakes.flake_area);
+  const HashWords decided = pcg4d({lattice_word(floor(at.a / block)) ^ key.x,
+                                   lattice_word(floor(at.b / block)) ^ key.y, key.z, key.w});
+  first.close = size < 1 + uniform_23<T>(decided.x);
+  if (!first.close) return first;
   const TangentFrame<T> frame = tangent_frame(normal, at);
   const Vec3<T> v{dot(inside, frame.along), dot(inside, frame.across), cos_in};
 
@@ -210,10 +220,6 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     const T right = static_cast<T>(of_nine % 3 - 1), up = static_cast<T>(of_nine / 3 - 1);
     const HashWords cell{lattice_word(column + right) ^ key.x, lattice_word(row + up) ^ key.y,
                          key.z, key.w};
-    if (k == 0) {
-      first.close = size < 1 + uniform_23<T>(pcg4d(cell).x);
-      if (!first.close) return first;
-    }
     const T from_x = x - column - right, from_y = y - row - up;
     const T gap = max(max(-from_x, from_x - 1), max(-from_y, from_y - 1));
     if (gap * side > reach) continue;

@@ -20,6 +20,7 @@
 #define CUT_DEVIATION 0.00849070261
 
 #define LEAST_IN_CELL 0.5
+#define BLOCK_SIDE 12.0
 #define MOST_IN_CELL 64
 
 #define FLATTEST_VIEW 0.25
@@ -159,6 +160,12 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
   first.hiding = flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in;
   if (!(first.hiding > 0.0))
     return first;
+  float block = BLOCK_SIDE * sqrt(flakes.flake_area);
+  HashWords decided = pcg4d(lattice_word(floor(at.a / block)) ^ key.x, lattice_word(floor(at.b / block)) ^ key.y,
+                            key.z, key.w);
+  first.close = size < 1.0 + uniform_23(decided.x);
+  if (!first.close)
+    return first;
   TangentFrame frame = tangent_frame(n, at);
   vector v = vector(inner_product(inside, frame.along), inner_product(inside, frame.across), cos_in);
 
@@ -182,12 +189,6 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
     float up = (float)(of_nine / 3 - 1);
     int cell_x = lattice_word(column + right) ^ key.x;
     int cell_y = lattice_word(row + up) ^ key.y;
-    if (k == 0) {
-      HashWords own = pcg4d(cell_x, cell_y, key.z, key.w);
-      first.close = size < 1.0 + uniform_23(own.x);
-      if (!first.close)
-        return first;
-    }
     float from_x = x - column - right;
     float from_y = y - row - up;
     float gap = max(max(-from_x, from_x - 1.0), max(-from_y, from_y - 1.0));
