@@ -28,28 +28,35 @@ inline constexpr int kDrawnSparkles = 16;
 // more sparkles.
 inline constexpr int kColourDraw = kDrawnSparkles + 2;
 
-// One sparkle's Y: its area by the words x and y, dimmed from a depth of 0 to 1.
+// One sparkle's Y: its area by the words x and y, dimmed from a depth of 0 to 1, or hidden by w.
 template <class T>
 Rgb<T> draw_sparkle(const ExpectedSparkles<T>& expected, T area_spread, HashWords words, T depth) {
   T area = 1;
   if (area_spread > 0) {
     area = max(1 + area_spread * normal_quantile(uniform_48<T>(words.x, words.y)), T(0));
   }
-  const T share = min(area, expected.fill) / expected.fill;
-  return map(expected.slant, [&](T x) { return share * exponential(-x * depth); });
+  T share = min(area, expected.fill) / expected.fill;
+  if (expected.hidden > 0 && uniform_23<T>(words.w) > exponential(-expected.hidden * depth)) {
+    share = 0;
+  }
+  return map(expected.slant,
+             [&](T x) { return share * exponential((expected.hidden - x) * depth); });
 }
 
 // How many of `count` sparkles are drawn one by one: all of up to 16. Of more the sum is drawn as
 // one, unless its variance is above a tenth of its squared mean. There a deep layer shows little
 // but the flakes nearest to its surface, and the law of the sum would reach below 0; so all of up
-// to 32 are drawn, and the nearest 16 of more. A sparkle's variance is (y coth y) E[X^2]/E[X]^2 - 1
-// of its squared mean with y = x/2, and y coth y is at most y + 1/(1 + y), 14 % more.
+// to 32 are drawn, and the nearest 16 of more. A sparkle's variance is E[X^2]/E[X]^2 E[s^2]/E[s]^2
+// - 1 of its squared mean. Where h = 0, E[s^2]/E[s]^2 is y coth y with y = x/2, at most y + 1/(1 +
+// y), 14 % more; with h it grows about by 1 + h/(2 + 2 x - h).
 template <class T>
 int drawn_one_by_one(const ExpectedSparkles<T>& expected, T count) {
   if (count <= T(kDrawnSparkles)) return static_cast<int>(count);
   const T square = expected.area.square / (expected.area.mean * expected.area.mean);
   const T y = max_component(expected.slant) / 2;
-  if (square * (y + 1 / (1 + y)) - 1 <= T(0.1) * count) return 0;
+  const T h = expected.hidden;
+  const T varied = (y + 1 / (1 + y)) * (1 + h / (2 + 4 * y - h));
+  if (square * varied - 1 <= T(0.1) * count) return 0;
   return count <= T(2 * kDrawnSparkles) ? static_cast<int>(count) : kDrawnSparkles;
 }
 
@@ -60,17 +67,16 @@ struct SumLaw {
   T mean{}, spread{}, c{}, root{1};
 };
 
-// Of `count` sparkles in a colour of optical depth x, relative to their mean area; `square` and
-// `cube` are the area's moments. With A the mean transmittance and e^-x = 1 - x A(x), A(2 x) is
-// A(x) (1 + e^-x)/2, A(3 x) is A(x) (1 + e^-x + e^-2x)/3. Mean, variance and skewness g = (6 c + 8
-// c^3)/root^3 are those of the sum; two steps solve for c to 1 % of g while c <= 1/4.
+// Of `count` sparkles in a colour of optical depth x, of which h hides whole, relative to their
+// mean area; `square` and `cube` are the area's moments. The moments of their shares are A(x), A(2
+// x - h) and A(3 x - 2 h). Mean, variance and skewness g = (6 c + 8 c^3)/root^3 are those of the
+// sum; two steps solve for c to 1 % of g while c <= 1/4.
 template <class T>
-SumLaw<T> sum_law(T square, T cube, T x, T count) {
+SumLaw<T> sum_law(T square, T cube, T x, T h, T count) {
   SumLaw<T> law;
   const T m1 = mean_transmittance(x);
-  const T passed = 1 - x * m1;
-  const T m2 = square * (m1 * (1 + passed) * T(0.5));
-  const T m3 = cube * (m1 * (1 + passed * (1 + passed)) * (T(1) / 3));
+  const T m2 = square * mean_transmittance(2 * x - h);
+  const T m3 = cube * mean_transmittance(3 * x - 2 * h);
   law.mean = m1 * count;
   const T variance = m2 - m1 * m1;
   if (!(variance > m2 * T(1e-5))) return law;  // equal flakes: their count
@@ -97,15 +103,18 @@ T correlation_of_deviates(const SumLaw<T>& a, const SumLaw<T>& b, T covariance) 
 
 // The sum of `count` sparkles that lie evenly between `depth` and 1, relative to a filled, undimmed
 // pixel. Every colour has its own law, and any two colours the covariance of theirs: per sparkle
-// E[X^2]/E[X]^2 A(x_i + x_j) - A(x_i) A(x_j) with A the mean transmittance. Their deviates are
-// those of Cholesky's factor of the correlations, row by row.
+// E[X^2]/E[X]^2 A(x_i + x_j - h) - A(x_i) A(x_j) with A the mean transmittance. Each n-th moment
+// has e^((n - 1) h depth) more than the mean's power: so many fewer are left at that depth. Their
+// deviates are those of Cholesky's factor of the correlations, row by row.
 template <class T>
 Rgb<T> sum_of_many(const ExpectedSparkles<T>& expected, T count, T depth, HashWords words,
                    HashWords more) {
   const T mean_area = expected.area.mean;
   const T share = mean_area / expected.fill;
-  const T square = expected.area.square / (mean_area * mean_area);
-  const T cube = expected.area.cube / (mean_area * mean_area * mean_area);
+  const T fewer = exponential(min(expected.hidden * depth, T(20)));  // all but dark below
+  const T square = expected.area.square / (mean_area * mean_area) * fewer;
+  const T cube = expected.area.cube / (mean_area * mean_area * mean_area) * (fewer * fewer);
+  const T h = expected.hidden * (1 - depth);
   const T slant[3] = {expected.slant.x, expected.slant.y, expected.slant.z};
   const T chance[3] = {uniform_48<T>(words.z, words.w), uniform_48<T>(more.x, more.y),
                        uniform_48<T>(more.z, more.w)};
@@ -121,12 +130,12 @@ Rgb<T> sum_of_many(const ExpectedSparkles<T>& expected, T count, T depth, HashWo
       continue;
     }
     x[i] = slant[i] * (1 - depth);
-    law[i] = sum_law(square, cube, x[i], count);
+    law[i] = sum_law(square, cube, x[i], h, count);
     T own = 1;  // what the colours before leave of the deviate's variance
     T w = 0;
     for (int j = 0; j < i; ++j) {
-      const T covariance =
-          square * mean_transmittance(x[i] + x[j]) * count - law[i].mean * (law[j].mean / count);
+      const T covariance = square * mean_transmittance(x[i] + x[j] - h) * count -
+                           law[i].mean * (law[j].mean / count);
       T along = correlation_of_deviates(law[i], law[j], covariance);
       for (int k = 0; k < j; ++k) along = along - factor[i][k] * factor[j][k];
       const T most = sqrt(own);

@@ -55,6 +55,7 @@ ExpectedSparkles<float> of_lane(const ExpectedSparkles<Many>& e, std::size_t lan
           e.fill[lane],
           {e.area.mean[lane], e.area.square[lane], e.area.cube[lane]},
           of_lane(e.slant, lane),
+          e.hidden[lane],
           of_lane(e.transmitted, lane),
           of_lane(e.reflectance, lane),
           of_lane(e.mirror, lane),

@@ -25,7 +25,8 @@ struct ExpectedSparkles {
   int slots{};                      // 0: Poisson; k: binomial with k places
   T fill{1};                        // mean flake areas that fill the pixel
   AreaMoments<T> area{};            // moments of min(X, fill)
-  Rgb<T> slant{};                   // optical depth of the layer, there and back: t H
+  Rgb<T> slant{};                   // optical depth of the layer, there and back: x = t H
+  T hidden{};                       // h: the part of it that takes flakes away whole
   Rgb<T> transmitted = grey(T(1));  // what it leaves on average of a beam to a random depth: A
   Rgb<T> reflectance{};             // r_p of a flake that sparkles
   Rgb<T> mirror{};                  // T of a pixel filled by an undimmed sparkle
@@ -94,6 +95,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   // A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
+  if (!way.given) expected.hidden = hidden_whole(layer, flakes, way.slant, way.shared);
   expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
@@ -121,6 +123,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
     if (visible > 0) expected.mirror = expected.mirror * (transmitted / visible);
     expected.mean_count = expected.mean_count * visible;
     expected.slant = {};
+    expected.hidden = 0;
     expected.transmitted = grey(T(1));
   }
   // Flakes that transmit hide too few: then every place is taken, and shows a share of them each.
@@ -157,8 +160,8 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
 }
 
 // Mean and mean square of what one sparkle adds, per colour, relative to a filled, undimmed pixel:
-// Y = min(X, fill)/fill e^(-x u), u uniform, x the optical depth. Of the square A(2 x) is left,
-// which is A(x) (1 + e^-x)/2 with e^-x = 1 - x A(x).
+// Y = min(X, fill)/fill e^(-(x - h) u) with the probability e^(-h u), else 0, u uniform, x the
+// optical depth. Of the square A(2 x - h) is left.
 template <class T>
 Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
   const T share = expected.area.mean / expected.fill;
@@ -167,8 +170,8 @@ Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
 template <class T>
 Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
   const T share = expected.area.square / expected.fill / expected.fill;
-  const Rgb<T> passed = grey(T(1)) - expected.slant * expected.transmitted;
-  return expected.transmitted * (grey(T(1)) + passed) * (T(0.5) * share);
+  return map(expected.slant,
+             [&](T x) { return share * mean_transmittance(2 * x - expected.hidden); });
 }
 
 // E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.

@@ -56,6 +56,7 @@ struct Layer {
   T rayleigh_depth;     // H (16 pi/3) c1
   // Of hot_spot.h: c for each colour, and H/D.
   Rgb<T> shared_blocking;
+  T mean_diameter;  // D, m, of what they cover; 0: there is none
   T thickness_in_flakes;
   DepthModel depth_model;
   Radiometry radiometry;
@@ -126,8 +127,11 @@ Layer<T> make_layer(const Paint& paint) {
   const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
   layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
-  layer.thickness_in_flakes = 0;
-  if (width > 0) layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
+  layer.mean_diameter = layer.thickness_in_flakes = 0;
+  if (width > 0) {
+    layer.mean_diameter = width / layer.coverage;
+    layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
+  }
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
   layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);

@@ -28,13 +28,15 @@ struct SurfacePoint {
 // What the flakes of all species share: the way of a light through this point to the observer.
 template <class T>
 struct Passage {
-  bool open = false;  // false: no flake can send this light to the observer
+  bool open = false;   // false: no flake can send this light to the observer
+  bool given = false;  // the optical depth is: nothing is known of what hides a flake
   Mirror<Wide<T>> mirror{};
   Wide<T> inside{}, ratio{};  // the light's cone in the binder, sr; that over its cone outside
   Wide<T> surface{};          // transmittance of the surface, in and out
   T cos_exit{};               // cosine of the exit by which flakes cover the pixel
   T breadth{}, apart = 1;     // of the light
   Rgb<T> slant{};             // optical depth of the layer, there and back: t H
+  Rgb<T> shared{};            // what that lacks of the sum of both ways'
 };
 
 // `slant` overrides the layer's own optical depth t H where it is given (validation against other
@@ -67,9 +69,14 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
       ways_apart(point.normal, point.view, static_cast<T>(way.mirror.cos_view),
                  static_cast<T>(way.mirror.g_view), Vec3<T>(light.direction),
                  static_cast<T>(way.mirror.cos_light), static_cast<T>(way.mirror.g_light));
-  way.slant = slant != nullptr ? *slant
-                               : there_and_back(layer, slant_depth_of(layer, cos_view_in),
-                                                slant_depth_of(layer, cos_light_in), apart);
+  if (slant != nullptr) {
+    way.slant = *slant;
+    way.given = true;
+  } else {
+    const Rgb<T> in = slant_depth_of(layer, cos_view_in), out = slant_depth_of(layer, cos_light_in);
+    way.slant = there_and_back(layer, in, out, apart);
+    way.shared = (in + out) - way.slant;
+  }
   way.surface = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                 fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;

@@ -22,7 +22,9 @@ color draw_sparkle(ExpectedSparkles expected, float area_spread, HashWords words
   if (area_spread > 0.0)
     area = max(1.0 + area_spread * normal_quantile(uniform_48(words.x, words.y)), 0.0);
   float share = min(area, expected.fill) / expected.fill;
-  return share * exponential(-expected.slant * depth);
+  if (expected.hidden > 0.0 && uniform_23(words.w) > exponential(-expected.hidden * depth))
+    share = 0.0;
+  return share * exponential((color(expected.hidden) - expected.slant) * depth);
 }
 
 int drawn_one_by_one(ExpectedSparkles expected, float count)
@@ -31,7 +33,9 @@ int drawn_one_by_one(ExpectedSparkles expected, float count)
     return (int)count;
   float square = expected.area.square / (expected.area.mean * expected.area.mean);
   float y = max(max(expected.slant[0], expected.slant[1]), expected.slant[2]) / 2.0;
-  if (square * (y + 1.0 / (1.0 + y)) - 1.0 <= 0.1 * count)
+  float h = expected.hidden;
+  float varied = (y + 1.0 / (1.0 + y)) * (1.0 + h / (2.0 + 4.0 * y - h));
+  if (square * varied - 1.0 <= 0.1 * count)
     return 0;
   if (count <= (float)(2 * DRAWN_SPARKLES))
     return (int)count;
@@ -45,13 +49,12 @@ struct SumLaw {
   float root;
 };
 
-SumLaw sum_law(float square, float cube, float x, float count)
+SumLaw sum_law(float square, float cube, float x, float h, float count)
 {
   SumLaw law;
   float m1 = mean_transmittance(x);
-  float passed = 1.0 - x * m1;
-  float m2 = square * (m1 * (1.0 + passed) * 0.5);
-  float m3 = cube * (m1 * (1.0 + passed * (1.0 + passed)) * (1.0 / 3.0));
+  float m2 = square * mean_transmittance(2.0 * x - h);
+  float m3 = cube * mean_transmittance(3.0 * x - 2.0 * h);
   law.mean = m1 * count;
   law.spread = 0.0;
   law.c = 0.0;
@@ -83,8 +86,10 @@ color sum_of_many(ExpectedSparkles expected, float count, float depth, HashWords
 {
   float mean_area = expected.area.mean;
   float share = mean_area / expected.fill;
-  float square = expected.area.square / (mean_area * mean_area);
-  float cube = expected.area.cube / (mean_area * mean_area * mean_area);
+  float fewer = exponential(min(expected.hidden * depth, 20.0));
+  float square = expected.area.square / (mean_area * mean_area) * fewer;
+  float cube = expected.area.cube / (mean_area * mean_area * mean_area) * (fewer * fewer);
+  float h = expected.hidden * (1.0 - depth);
   float chance[3] = {uniform_48(words.z, words.w), uniform_48(more.x, more.y), uniform_48(more.z, more.w)};
   SumLaw law[3];
   float x[3] = {0.0, 0.0, 0.0};
@@ -104,12 +109,12 @@ color sum_of_many(ExpectedSparkles expected, float count, float depth, HashWords
     }
     else {
       x[i] = expected.slant[i] * (1.0 - depth);
-      SumLaw here = sum_law(square, cube, x[i], count);
+      SumLaw here = sum_law(square, cube, x[i], h, count);
       float own = 1.0;
       float w = 0.0;
       for (int j = 0; j < i; ++j) {
         SumLaw there = law[j];
-        float covariance = square * mean_transmittance(x[i] + x[j]) * count - here.mean * (there.mean / count);
+        float covariance = square * mean_transmittance(x[i] + x[j] - h) * count - here.mean * (there.mean / count);
         float along = correlation_of_deviates(here, there, covariance);
         for (int k = 0; k < j; ++k)
           along = along - factor[3 * i + k] * factor[3 * j + k];

@@ -19,6 +19,7 @@ struct ExpectedSparkles {
   float fill;
   AreaMoments area;
   color slant;
+  float hidden;
   color transmitted;
   color reflectance;
   color mirror;
@@ -43,6 +44,7 @@ ExpectedSparkles nothing_expected(Flakes flakes)
   expected.fill = 1.0;
   expected.area = flakes.area;
   expected.slant = color(0.0);
+  expected.hidden = 0.0;
   expected.transmitted = color(1.0);
   expected.reflectance = color(0.0);
   expected.mirror = color(0.0);
@@ -83,6 +85,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   expected.share = sparkling_share(way.breadth, way.apart, turned_by(flakes, layer.eta));
   expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   expected.slant = way.slant;
+  expected.hidden = hidden_whole(layer, flakes, way.slant, way.shared);
   expected.transmitted = mean_transmittance(expected.slant);
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);
@@ -105,6 +108,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
       expected.mirror = expected.mirror * (transmitted / visible);
     expected.mean_count = expected.mean_count * visible;
     expected.slant = color(0.0);
+    expected.hidden = 0.0;
     expected.transmitted = color(1.0);
   }
   if (expected.slots > 0 && expected.mean_count > slots) {
@@ -136,8 +140,7 @@ color mean_sparkle(ExpectedSparkles expected)
 color mean_square_sparkle(ExpectedSparkles expected)
 {
   float share = expected.area.square / expected.fill / expected.fill;
-  color passed = color(1.0) - expected.slant * expected.transmitted;
-  return expected.transmitted * (color(1.0) + passed) * (0.5 * share);
+  return share * mean_transmittance(2.0 * expected.slant - color(expected.hidden));
 }
 
 color mean_radiance(ExpectedSparkles expected)

@@ -17,6 +17,12 @@ float share_in_common(float w, float x)
   return (1.0 + 1.6392 * y) / (1.0 + y * (2.0389 + y * (1.8717 / (1.0 + 0.1464 * x))));
 }
 
+color hidden_at_once(float r, color share)
+{
+  float alone = 1.0 / (1.0 + r * (0.3259 + 0.8235 * r));
+  return color(alone) + (1.0 - alone) * (share * (color(1.0) - share));
+}
+
 float flakes_apart(Layer layer, float delta)
 {
   return min(delta * layer.thickness_in_flakes, 1e9);
@@ -33,6 +39,18 @@ color there_and_back(Layer layer, color view_slant, color light_slant, float del
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     x = less_in_common(layer, x, share_in_common(flakes_apart(layer, delta), x));
   return x;
+}
+
+float hidden_whole(Layer layer, Flakes flakes, color x, color shared)
+{
+  float h = 0.0;
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
+    color c = min(layer.shared_blocking, (x + shared) * 0.5);
+    color share = min(max(shared / max(c, color(1e-30)), color(0.0)), color(1.0));
+    color hidden = min(hidden_at_once(flakes.diameter / layer.mean_diameter, share) * (c * (color(2.0) - share)), x);
+    h = min(min(hidden[0], hidden[1]), hidden[2]);
+  }
+  return h;
 }
 
 float ways_apart(vector n, vector view, float cos_view, float g_view, vector light, float cos_light, float g_light)

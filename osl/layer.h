@@ -33,6 +33,7 @@ struct Layer {
   color binder_depth;
   float rayleigh_depth;
   color shared_blocking;
+  float mean_diameter;
   float thickness_in_flakes;
   int depth_model;
   int radiometry;
@@ -105,9 +106,12 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   float thickness_mm = given.layer_thickness_um * 0.001;
   layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
+  layer.mean_diameter = 0.0;
   layer.thickness_in_flakes = 0.0;
-  if (width > 0.0)
+  if (width > 0.0) {
+    layer.mean_diameter = width / layer.coverage;
     layer.thickness_in_flakes = thickness_mm * 0.001 * (layer.coverage / width);
+  }
   layer.depth_model = given.depth_model;
   layer.radiometry = given.radiometry;
   layer.sparkle_contrast = given.sparkle_contrast;

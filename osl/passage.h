@@ -31,6 +31,7 @@ struct Passage {
   float breadth;
   float apart;
   color slant;
+  color shared;
 };
 
 Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light)
@@ -42,6 +43,7 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   way.surface_transmittance = 0.0;
   way.cos_exit = 1.0;
   way.slant = color(0.0);
+  way.shared = color(0.0);
   way.breadth = light.breadth;
   way.apart = light.apart;
   way.mirror.possible = 0;
@@ -65,7 +67,9 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   way.inside = outside * way.ratio;
   float apart = ways_apart(surface.n, surface.view, way.mirror.cos_view, way.mirror.g_view, light.direction,
                            way.mirror.cos_light, way.mirror.g_light);
-  way.slant = there_and_back(layer, surface.slant, slant_depth_of(layer, flakes, library, cos_light_in), apart);
+  color out = slant_depth_of(layer, flakes, library, cos_light_in);
+  way.slant = there_and_back(layer, surface.slant, out, apart);
+  way.shared = (surface.slant + out) - way.slant;
   way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                               fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;

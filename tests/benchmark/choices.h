@@ -110,8 +110,10 @@ class ModelOf : public Model {
         const T apart = ways_apart(point.normal, point.view, static_cast<T>(m.cos_view),
                                    static_cast<T>(m.g_view), Vec3<T>(seen.direction),
                                    static_cast<T>(m.cos_light), static_cast<T>(m.g_light));
-        way.slant =
-            there_and_back(layer_, tabulated_depth(m.g_view), tabulated_depth(m.g_light), apart);
+        const Rgb<T> in = tabulated_depth(m.g_view), out = tabulated_depth(m.g_light);
+        way.slant = there_and_back(layer_, in, out, apart);
+        way.shared = (in + out) - way.slant;
+        way.given = false;
       }
       return expect_sparkles(layer_, flakes, point.footprint, way);
     }

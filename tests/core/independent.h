@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace independent {
@@ -318,6 +319,7 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
   const Real flakes = scene.footprint * scene.flakes_per_m2 * probability * (s1 / c1);
 
   std::array<Real, 3> kept{};
+  Real hidden = scene.correlated ? std::numeric_limits<Real>::infinity() : 0;
   for (int i = 0; i < 3; ++i) {
     const auto slanted = [&](Real projected, Real cosine) {
       const Real scattering = 16 * kPi / 3 * scene.rayleigh + scene.absorption[i];
@@ -337,7 +339,12 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
       const Real shared = coverage * known.area_above * opaque * opaque;
       const Real y = widths / (1 + 0.0971L * result.depth[at]);
       const Real far = 1.8717L / (1 + 0.1464L * result.depth[at]);
-      result.depth[at] -= shared * (1 + 1.6392L * y) / (1 + 2.0389L * y + far * y * y);
+      const Real share = (1 + 1.6392L * y) / (1 + 2.0389L * y + far * y * y);
+      result.depth[at] -= shared * share;
+      // Of two points of a disc, both free, as wide as those that hide it.
+      const Real alone = 1 / (1 + 0.3259L + 0.8235L);
+      const Real together = alone + (1 - alone) * share * (1 - share);
+      hidden = std::min(hidden, together * shared * (2 - share));
     }
     kept[at] = averaged(result.depth[at]);
   }
@@ -353,7 +360,8 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
     const Real unit =
         passed * r_p * scene.flake_area * std::cos(alpha) / (seen_outside * scene.footprint * exit);
     const Real dimmed = scene.thinned ? kept[at] / most : kept[at];
-    const Real dimmed_square = scene.thinned ? dimmed * dimmed : averaged(2 * result.depth[at]);
+    const Real dimmed_square =
+        scene.thinned ? dimmed * dimmed : averaged(2 * result.depth[at] - hidden);
     result.mean[at] = result.count * unit * c1 * dimmed;
     result.second[at] = result.count * unit * unit * c2 * dimmed_square;
     result.brdf[at] = coverage * P / (2 * kPi) * r_p * kept[at] * passed /

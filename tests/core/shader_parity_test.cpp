@@ -131,6 +131,7 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("binder_depth", shader.binder_depth, core.binder_depth);
   same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
   same("shared_blocking", shader.shared_blocking, core.shared_blocking);
+  same("mean_diameter", shader.mean_diameter, core.mean_diameter);
   same("thickness_in_flakes", shader.thickness_in_flakes, core.thickness_in_flakes);
   same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
   same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
@@ -167,6 +168,7 @@ void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSpar
   same("fill", shader.fill, core.fill);
   same("mirror", shader.mirror, core.mirror);
   same("slant", shader.slant, core.slant);
+  same("hidden", shader.hidden, core.hidden);
   same("ceiling", shader.ceiling, core.ceiling);
   same("contrast", shader.contrast, core.contrast);
   same("share", shader.share, core.share);

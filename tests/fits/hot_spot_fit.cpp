@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The five constants of core/hot_spot.h, fitted again: the least eighth powers of what the mean is
-// off the integral over both ways, and what lossless paints of that depth model are off 1.
+// off the integral over both ways, how much hides discs whole, and what lossless paints of that
+// depth model are off 1.
 // hot_spot_fit [SEED]; half a minute.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -77,6 +79,69 @@ void tell(const char* name, const Constants& k, const std::vector<Case>& cases) 
               k[4], error.largest, error.root_mean_square);
 }
 
+// The area of the discs of radius 1 about these points, over that of one: chords by the line y.
+double area_of_union(const std::array<std::array<double, 2>, 4>& middles) {
+  const auto [low, high] = std::minmax_element(
+      middles.begin(), middles.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
+  const double bottom = (*low)[1] - 1, height = (*high)[1] + 1 - bottom;
+  constexpr int kLines = 64;
+  double sum = 0;
+  for (int i = 0; i < kLines; ++i) {
+    const double y = bottom + height * (i + 0.5) / kLines;
+    std::vector<std::array<double, 2>> chords;
+    for (const auto& [x, at] : middles) {
+      const double half = 1 - (y - at) * (y - at);
+      if (half > 0) chords.push_back({x - std::sqrt(half), x + std::sqrt(half)});
+    }
+    std::sort(chords.begin(), chords.end());
+    double end = -1e9;
+    for (const auto& [from, to] : chords) {
+      sum += std::max(to - std::max(from, end), 0.0);
+      end = std::max(end, to);
+    }
+  }
+  return sum * height / kLines / std::numbers::pi;
+}
+
+// E[s^2] of discs r times as wide as those that hide them: pairs of points of one, each free on
+// both ways; four discs' union hides one or the other.
+double free_squared(Random& random, double r, double c, double w, double x) {
+  constexpr int kPairs = 300, kSteps = 48;
+  double sum = 0;
+  for (int k = 0; k < kPairs; ++k) {
+    const auto point = [&] {
+      const double from = r * std::sqrt(random.uniform(0, 1)), turn = random.uniform(0, 6.2831853);
+      return std::array{from * std::cos(turn), from * std::sin(turn)};
+    };
+    const auto a = point(), b = point();
+    double hiding = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = (i + 0.5) / kSteps, apart = 2 * w * z;
+      const double now = c * area_of_union({{a, b, {a[0] + apart, a[1]}, {b[0] + apart, b[1]}}});
+      sum += std::exp(-(hiding + now / 2 / kSteps) - 2 * (x - 2 * c) * z) / kSteps;
+      hiding += now / kSteps;
+    }
+  }
+  return sum / kPairs;
+}
+
+void tell_hidden(Random& random, const char* name, double least, double most, double wrong) {
+  constexpr int kCases = 300;
+  std::vector<double> off;
+  for (int i = 0; i < kCases; ++i) {
+    const double r = random.log_uniform(least, most), w = random.log_uniform(0.05, 40);
+    const double c = random.log_uniform(0.1, 3);
+    const double x = 2 * c + (random.below(2) == 0 ? 0 : random.log_uniform(0.1, 5));
+    const double share = share_in_common(w, x);
+    const double h = wrong * hidden_at_once(r, share) * c * (2 - share);
+    const double model = mean_transmittance(2 * (x - c * share) - h);
+    off.push_back(std::fabs(model / free_squared(random, r, c, w, x) - 1));
+  }
+  std::sort(off.begin(), off.end());
+  std::printf("| %s: %d | %.3f | %.3f | %.3f |\n", name, kCases, off.back(), off[kCases * 95 / 100],
+              off[kCases / 2]);
+}
+
 // What r_s + E + M of a lossless paint is off 1, in the worst colour; discs of 0.05 to 2 of the
 // layer's thickness, and the other parameters those of mixture_scenes.h.
 double furnace(Random& random, SeenPaint seen) {
@@ -122,6 +187,13 @@ int main(int argc, char** argv) {
       cases.size());
   tell("as they stand", kStated, cases);
   tell("fitted again", fit(cases), cases);
+
+  std::printf(
+      "\n| E[s^2] off that of pairs of points | largest | 95 %% | median |\n"
+      "| --- | ---: | ---: | ---: |\n");
+  tell_hidden(random, "discs as wide as those that hide them", 1, 1, 1);
+  tell_hidden(random, "0.4 to 2.5 times as wide", 0.4, 2.5, 1);
+  tell_hidden(random, "nothing hidden whole", 1, 1, 0);
 
   std::vector<double> own, mica, silica;
   for (int i = 0; i < 1'000; ++i) {

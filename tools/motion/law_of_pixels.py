@@ -216,15 +216,17 @@ class View:
         return mean * shown, variance
 
     def discs(self, disc: float, depth: float, lit: float) -> float:
-        """The variance of discs, seen through the filter, over that of flakes of no size.
+        """The variance of discs, seen through the filter, over that of the closed form.
 
         Two samples on one disc, d apart, are filtered by the filter's autocorrelation at d. At the
         depth z, a share of the layer, both see it if no other disc hides either: discs over both
         count once, exp(-b z (2 - O(d/D))) with b the mean number of discs over a point and O the
         share of two discs d apart that overlap. The way of the light is the closed form's: in all
-        exp(-(2 x - b O) z), of which flakes of no size have exp(-2 x z), x the depth of the layer
-        there and back. Where a share s of all points shows a disc, of which a share `lit` is lit,
-        the square of the mean takes lit s of the variance.
+        exp(-(2 x - b O) z), x the depth of the layer there and back. Correlated, the closed form
+        has the mean square of the share of a disc that is free on both ways, that of traced discs:
+        only how that square is spread over d is left. Else it has exp(-2 x z), flakes of no size.
+        Where a share s of all points shows a disc, of which a share `lit` is lit, the square of the
+        mean takes lit s of the variance.
         """
         random = np.random.default_rng()  # a quadrature: 1e5 points leave 0.5 %
         paint, count = self.paint, 100_000
@@ -241,9 +243,11 @@ class View:
         u = np.minimum(np.hypot(*across.T) / (2 * radius[:, 0]), 1)
         overlap = 2 / math.pi * (np.arccos(u) - u * np.sqrt(1 - u * u))
         hiding = paint.flakes_per_mm2 * 1e6 * disc
-        both = averaged(2 * depth - hiding * overlap) / averaged(2 * depth)
+        both = averaged(2 * depth - hiding * overlap)
+        correlated = paint.depth_model == "correlated"
+        alone = both if correlated else averaged(2 * depth)
         covered = -math.expm1(-hiding)
-        return float((weight * both).sum() / (sizes**2).sum()) * (1 - lit * covered)
+        return float((weight * both).sum() / (sizes**2 * alone).sum()) * (1 - lit * covered)
 
 
 IRRADIANCE = 3.0  # of the stage's sun
