@@ -22,12 +22,18 @@ class MATERIAL_PT_metallic_paint(bpy.types.Panel):  # noqa: N801
         pass
 
 
+class MATERIAL_PT_metallic_paint_diagnostics(MATERIAL_PT_metallic_paint):  # noqa: N801
+    pass
+
+
 @contextmanager
 def registered(module: ModuleType) -> Iterator[None]:
     bpy.utils.register_class(MATERIAL_PT_metallic_paint)
+    bpy.utils.register_class(MATERIAL_PT_metallic_paint_diagnostics)
     module.register()
     try:
         yield
     finally:
         module.unregister()
+        bpy.utils.unregister_class(MATERIAL_PT_metallic_paint_diagnostics)
         bpy.utils.unregister_class(MATERIAL_PT_metallic_paint)

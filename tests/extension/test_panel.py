@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+import random
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -53,11 +55,12 @@ def test_warning_stands_with_its_button(cube: bpy.types.Object, engine: str) -> 
 
 
 def test_panel_tells_what_the_last_fit_said(cube: bpy.types.Object) -> None:
-    assert "scene.metallic_paint_update_lights" not in panel().names
+    diagnostics = bpy.types.MATERIAL_PT_metallic_paint_diagnostics
+    assert "scene.metallic_paint_update_lights" not in drawn(diagnostics).names
     bpy.ops.material.metallic_paint_new()
     bpy.ops.object.light_add(type="SUN")
     bpy.context.view_layer.objects.active = cube
-    shown = panel()
+    shown = drawn(diagnostics)
     assert "scene.metallic_paint_update_lights" in shown.names
     assert "light 1: Sun" in shown.texts
     assert all(len(text) <= 60 for text in shown.texts)
@@ -126,17 +129,22 @@ def test_panel_says_where_the_paint_shows(
     assert not shown()
 
 
+def value_panels() -> list[type]:
+    names = ("flakes", "second_flakes", "third_flakes", "binder", "substrate", "sparkle", "lights")
+    return [getattr(bpy.types, f"MATERIAL_PT_metallic_paint_{name}") for name in names]
+
+
 def test_choices_are_chosen_by_words(addon: Addon, cube: bpy.types.Object) -> None:
-    choices = bpy.types.MATERIAL_PT_metallic_paint_choices
-    assert not choices.poll(bpy.context)
+    assert not any(each.poll(bpy.context) for each in value_panels())
     bpy.ops.material.metallic_paint_new()
-    assert choices.poll(bpy.context)
+    assert all(each.poll(bpy.context) for each in value_panels())
     material = addon("paint.material")
     node = material.paint_node(cube.active_material)
-    named = drawn(choices).properties
-    parameters = [each for each in addon("paint").PARAMETERS.values() if each.choices]
-    assert len(named) == len(parameters) >= 10
-    for name, parameter in zip(named, parameters, strict=True):
+    choices = addon("interface.knobs").CHOICES
+    drawn_names = [name for each in value_panels() for name in drawn(each).properties]
+    assert len(drawn_names) >= len(addon("paint").PARAMETERS)
+    assert sorted(set(drawn_names) - {"default_value"}) == sorted(choices)
+    for name, parameter in choices.items():
         for number, word in enumerate(parameter.choices):
             setattr(node, name, word)
             assert node.inputs[parameter.label].default_value == number
@@ -145,6 +153,62 @@ def test_choices_are_chosen_by_words(addon: Addon, cube: bpy.types.Object) -> No
     node.inputs["Coating"].default_value = -1
     assert node.metallic_paint_coating == "colors"
     assert not node.keys()
+
+
+def test_what_artists_change_first_stands_in_the_panel(
+    addon: Addon, cube: bpy.types.Object
+) -> None:
+    bpy.ops.material.metallic_paint_new()
+    node = addon("paint.material").paint_node(cube.active_material)
+    node.inputs["Coating"].default_value = 0
+    common = ["Size (µm)", "Per mm²", "Sparkle", "Lacquer", "Roughness"]
+    assert panel().labels == ["Flakes", "Color", *common]
+    node.metallic_paint_coating = "aluminium"
+    assert panel().labels == ["Flakes", *common]
+    node.metallic_paint_coating = "tio2-on-mica"
+    assert panel().labels == ["Flakes", "Film (nm)", *common]
+
+
+def test_tint_is_the_color_after_one_way_through_the_layer(
+    addon: Addon, cube: bpy.types.Object
+) -> None:
+    bpy.ops.material.metallic_paint_new()
+    node = addon("paint.material").paint_node(cube.active_material)
+    for _ in range(20):
+        thickness = node.inputs["Layer Thickness (µm)"].default_value = random.uniform(1, 500)
+        color = [random.uniform(0.01, 1) for _ in range(3)]
+        node.metallic_paint_tint = color
+        assert tuple(node.metallic_paint_tint) == pytest.approx(color, rel=1e-5)
+        absorption = node.inputs["Absorption (1/mm)"].default_value
+        for per_mm, share in zip(absorption, color, strict=True):
+            assert math.exp(-per_mm * thickness / 1000) == pytest.approx(share, rel=1e-5)
+    node.metallic_paint_tint = (0, 0.5, 1)
+    assert 0 < node.metallic_paint_tint[0] < 1 / 255
+    assert node.inputs["Absorption (1/mm)"].default_value[2] == 0
+    kept = tuple(node.inputs["Absorption (1/mm)"].default_value)
+    node.inputs["Layer Thickness (µm)"].default_value = 0
+    node.metallic_paint_tint = (0.5, 0.5, 0.5)
+    assert tuple(node.inputs["Absorption (1/mm)"].default_value) == kept
+    assert "Lacquer" not in panel().labels
+
+
+def test_amount_is_said_in_words(addon: Addon, cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    node = addon("paint.material").paint_node(cube.active_material)
+    node.inputs["Flake Diameter (µm)"].default_value = 20
+    area = math.pi / 4 * 0.02**2  # mm²
+    for covered, said in (
+        (0, "No flakes."),
+        (0.001, "Sparse: flakes cover under 1% of the surface."),
+        (0.05, "Sparse: flakes cover 5% of the surface."),
+        (0.5, "Medium: flakes cover 39% of the surface."),
+        (1.5, "Dense: flakes overlap and cover 78% of the surface."),
+    ):
+        node.inputs["Flakes per mm²"].default_value = covered / area
+        assert said in " ".join(panel().texts)
+    node.inputs["Flakes per mm² 2"].default_value = 1.5 / area
+    node.inputs["Flake Diameter (µm) 2"].default_value = 20
+    assert "cover 95%" in " ".join(panel().texts)
 
 
 def test_panels_stand_without_the_add_on_of_cycles(cube: bpy.types.Object) -> None:

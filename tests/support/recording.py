@@ -20,6 +20,7 @@ class Layout:
         self.operators: list[tuple[str, dict[str, object]]] = []
         self.menus: list[str] = []
         self.properties: list[str] = []
+        self.labels: list[str] = []  # of the properties
 
     def column(self, align: bool = False) -> Layout:
         return self
@@ -60,9 +61,10 @@ class Layout:
 
         return Properties()
 
-    def prop(self, data: object, name: str) -> None:
+    def prop(self, data: object, name: str, text: str = "") -> None:
         assert name in data.bl_rna.properties, name
         self.properties.append(name)
+        self.labels.append(text)
 
     def progress(self, factor: float = 0.0, text: str = "") -> None:
         assert 0 <= factor <= 1
@@ -76,5 +78,6 @@ class Layout:
 def drawn(panel: type, context: object = None) -> Layout:
     """What a panel, menu or preferences' class draws in the context."""
     layout = Layout()
-    panel.draw(SimpleNamespace(layout=layout), context or bpy.context)
+    label = getattr(panel, "bl_label", "")
+    panel.draw(SimpleNamespace(layout=layout, bl_label=label), context or bpy.context)
     return layout

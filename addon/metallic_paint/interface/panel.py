@@ -8,22 +8,35 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..paint import PARAMETERS, Parameter, material, migration
+from ..paint import PANELS, material, migration
 from ..scene import follow, lights, needs, rest_position
-from . import operators
+from . import knobs, operators
 from .rest_position import SCENE_OT_metallic_paint_add_rest_position
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import IconItems
 
-LINE = 60  # characters of a report in a line of the panel
+LINE = 60  # characters of a report in a line of the panel, where that is wide enough
+_LETTER = 6.5  # pixels of a character of Blender's font on average, and of a margin, at its size 1
+_MARGIN = 75
+_WIDE = 380  # from here on a label stands before its value
+
+
+def _width() -> float:
+    """Of the region that is drawn, in pixels as they are at Blender's size 1."""
+    region = bpy.context.region
+    return region.width / bpy.context.preferences.system.ui_scale if region else 1000.0
+
+
+def _line() -> int:
+    return int(min(max((_width() - _MARGIN) / _LETTER, 10), LINE))
 
 
 def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") -> None:
     """A report of several lines, wrapped, close together; the icon stands before the first."""
     column = layout.column(align=True)
     for paragraph in text.splitlines():
-        for line in textwrap.wrap(paragraph, LINE):
+        for line in textwrap.wrap(paragraph, _line()):
             column.label(text=line, icon=icon)
             icon = "BLANK1" if icon != "NONE" else icon
 
@@ -53,6 +66,9 @@ class _PaintPanel:
             if operators.paint_node(context) is None:
                 layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
             layout.menu("MATERIAL_MT_metallic_paint_presets", icon="PRESET")
+            if (node := operators.paint_node(context)) is not None:
+                amount = knobs.draw_first(_values(layout), node)
+                draw_lines(layout, amount)
         if missing := material.missing(context.scene):
             box = layout.box()
             draw_lines(box, missing, "ERROR")
@@ -70,13 +86,26 @@ class _PaintPanel:
             if rest_position.lacks(context.object):
                 box.operator(SCENE_OT_metallic_paint_add_rest_position.bl_idname)
         if lights.groups():
-            layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
             if trouble := follow.trouble():
                 draw_lines(layout, trouble, "ERROR")
-            if said := needs.said():
-                draw_lines(layout.box(), f"All paints of this file share its lights.\n{said}")
         elif linked := lights.linked_files():
             draw_lines(layout.box(), _LINKED.format(", ".join(linked)), "INFO")
+
+
+def _values(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """For sockets: each with its label before it, or within it where that would be cut."""
+    column = layout.column()
+    column.use_property_split = _width() >= _WIDE
+    column.use_property_decorate = False
+    return column
+
+
+def _draw_lights(layout: bpy.types.UILayout) -> None:
+    if not lights.groups():
+        return
+    layout.operator(operators.SCENE_OT_metallic_paint_update_lights.bl_idname, icon="LIGHT")
+    if said := needs.said():
+        draw_lines(layout.box(), f"All paints of this file share its lights.\n{said}")
 
 
 def _shows_in(screen: bpy.types.Screen | None) -> bool:
@@ -108,55 +137,37 @@ class SubPanel(bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-class MATERIAL_PT_metallic_paint_choices(SubPanel):
-    bl_label = "Choices"
+class _Values(SubPanel):
+    """A panel of the node, with words for its choices."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return operators.paint_node(context) is not None
+        node = operators.paint_node(context)
+        return node is not None and bool(knobs.labels_of(node, cls.bl_label))
 
     def draw(self, context: bpy.types.Context) -> None:
-        """The sockets of the paint that are numbers and mean words, by their words."""
-        node = operators.paint_node(context)
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        for name, parameter in _CHOICES.items():
-            socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
-            if socket is not None:
-                row = self.layout.row()
-                row.enabled = node.id_data.is_editable and not socket.is_linked
-                row.prop(node, name)
+        knobs.draw_panel(_values(self.layout), operators.paint_node(context), self.bl_label)
 
 
-# By the names of the properties of group nodes that give a paint's numbers their words.
-_CHOICES = {
-    f"metallic_paint_{name.replace('.', '_')}": parameter
-    for name, parameter in PARAMETERS.items()
-    if parameter.choices
-}
+_VALUES = tuple(
+    type(f"MATERIAL_PT_metallic_paint_{name.lower().replace(' ', '_')}", (_Values,),
+         {"bl_label": name, "__module__": __name__})
+    for name in PANELS
+)  # fmt: skip
 
 
-def _choice(parameter: Parameter) -> object:
-    """An enumeration that is stored nowhere: it reads and sets the socket."""
+class MATERIAL_PT_metallic_paint_diagnostics(SubPanel):
+    """The lights that the paints know; below it Scene Report and Verify."""
 
-    def get(node: bpy.types.ShaderNodeGroup) -> int:
-        socket: bpy.types.NodeSocket | None = node.inputs.get(parameter.label)
-        return min(max(socket.default_value, 0), len(parameter.choices) - 1) if socket else 0
+    bl_label = "Diagnostics"
+    bl_order = 1  # after the other sub-panels
 
-    def set_(node: bpy.types.ShaderNodeGroup, number: int) -> None:
-        node.inputs[parameter.label].default_value = number
+    def draw(self, context: bpy.types.Context) -> None:
+        _draw_lights(self.layout)
 
-    return bpy.props.EnumProperty(
-        name=parameter.label,
-        description=parameter.description,
-        items=[
-            (word, word.replace("-", " ").title(), "", number)
-            for number, word in enumerate(parameter.choices)
-        ],
-        get=get,
-        set=set_,
-        options=set(),  # no animation: keys belong on the socket
-    )
+
+class DiagnosticsPanel(SubPanel):
+    bl_parent_id = "MATERIAL_PT_metallic_paint_diagnostics"
 
 
 class NODE_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
@@ -169,6 +180,10 @@ class NODE_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
         space = context.space_data
         return space.tree_type == "ShaderNodeTree" and space.shader_type == "OBJECT"
 
+    def draw(self, context: bpy.types.Context) -> None:
+        _PaintPanel.draw(self, context)
+        _draw_lights(self.layout)
+
 
 def _draw_add(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     """Entry of the shader editor's Add menu."""
@@ -179,22 +194,21 @@ def _draw_add(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 
 _CLASSES = (
     MATERIAL_PT_metallic_paint,
-    MATERIAL_PT_metallic_paint_choices,
+    *_VALUES,
+    MATERIAL_PT_metallic_paint_diagnostics,
     NODE_PT_metallic_paint,
 )
 
 
 def register() -> None:
+    knobs.register()
     for each in _CLASSES:
         bpy.utils.register_class(each)
     bpy.types.NODE_MT_shader_node_add_all.append(_draw_add)
-    for name, parameter in _CHOICES.items():
-        setattr(bpy.types.ShaderNodeGroup, name, _choice(parameter))
 
 
 def unregister() -> None:
-    for name in _CHOICES:
-        delattr(bpy.types.ShaderNodeGroup, name)
     bpy.types.NODE_MT_shader_node_add_all.remove(_draw_add)
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)
+    knobs.unregister()

@@ -10,7 +10,7 @@ import bpy
 
 from ..scene.report import ERROR, INFO, WARNING, report
 from . import operators
-from .panel import SubPanel, draw_lines
+from .panel import DiagnosticsPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import IconItems, OperatorReturnItems
@@ -43,7 +43,7 @@ and which settings would spoil them"""
         return {"FINISHED"}
 
 
-class MATERIAL_PT_metallic_paint_report(SubPanel):
+class MATERIAL_PT_metallic_paint_report(DiagnosticsPanel):
     bl_label = "Scene Report"
 
     def draw(self, context: bpy.types.Context) -> None:

@@ -11,7 +11,7 @@ from bpy.props import IntProperty
 from ..native import core_missing
 from ..verify.check import Found, VerifyError
 from ..verify.job import SECONDS, SIZE, Job, run, why_not
-from .panel import SubPanel, draw_lines
+from .panel import DiagnosticsPanel, draw_lines
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -113,7 +113,7 @@ def _redraw(context: bpy.types.Context) -> None:
                 area.tag_redraw()
 
 
-class MATERIAL_PT_metallic_paint_verify(SubPanel):
+class MATERIAL_PT_metallic_paint_verify(DiagnosticsPanel):
     bl_label = "Verify"
 
     def draw(self, context: bpy.types.Context) -> None:
