@@ -46,8 +46,8 @@ T share_in_common(T w, T x) {
 }
 
 // kappa of G, for a disc r times as wide as those that hide it; 0.465 = E[O] where r = 1 and both
-// ways are one. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5 E[s^2]
-// is within 3 %, for r of 0.4 to 2.5 within 6 % (docs/fits.md).
+// ways are one. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5
+// E[s^2] is within 3 %, for r of 0.4 to 2.5 within 6 % (docs/fits.md).
 template <class T>
 T hidden_at_once(T r, T share) {
   const T alone = 1 / (1 + r * (T(0.3259) + T(0.8235) * r));

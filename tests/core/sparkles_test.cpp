@@ -364,7 +364,8 @@ TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
     if (expected.slots > 0) continue;  // so few that they are Bernoulli's
     const double mean = mean_radiance(expected).x;
     const Real x = expected.slant.x;
-    const Real a1 = independent::averaged(x), m = independent::averaged(2 * x - expected.hidden) / (a1 * a1);
+    const Real a1 = independent::averaged(x),
+               m = independent::averaged(2 * x - expected.hidden) / (a1 * a1);
     const Real s = scene.paint.flake_area_spread;
     worst.see(relative_error(radiance_variance(expected).x / (mean * mean),
                              (1 + s * s) * m / expected.mean_count),
