@@ -206,7 +206,7 @@ def test_the_inverse_takes_everything_back(registered: None) -> None:
     assert not scene.cycles.use_denoising
     assert scene.objects["Sun"].lightgroup == "Key"
     assert scene.objects["Point"].lightgroup == denoise.LIGHT_GROUP
-    assert scene.objects["Area"].lightgroup == ""
+    assert scene.objects["Area"].lightgroup == denoise.LIGHT_GROUP
     assert bpy.ops.scene.metallic_paint_denoise_remove() == {"FINISHED"}
     after = state(scene)
     after["groups"] = [name for name in after["groups"] if name != "Key"]
@@ -408,6 +408,7 @@ def test_nodes_that_an_artist_adds_to_ours_stay() -> None:
 def test_what_changes_is_said() -> None:
     scene = build()
     scene.cycles.use_denoising = True
+    scene.objects["Area"].data.spread = 1  # a beam, which has no slot
     scene.objects["Area"].lightgroup = scene.objects["Sun"].lightgroup = "All"
     add_lamp("POINT", "Point")
     said = "\n".join(denoise.set_up(scene))

@@ -68,8 +68,8 @@ def one_slot(text: str) -> str:
         "  if (lights > 1)\n    group_lights(seen, leader", "\n  // The flakes under the listed"
     )(text)
     text = cut("      for (int j = 0; j < lights; ++j) {", "      float rho")(text)
-    text = cut("  float reach = angular_radius(seen[group]);\n  for", "  return reach",
-               "  float reach = angular_radius(seen[group]);\n")(text)  # fmt: skip
+    text = cut("  float reach = angular_reach(seen[group]);\n  for", "  return reach",
+               "  float reach = angular_reach(seen[group]);\n")(text)  # fmt: skip
     return re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
 
 
