@@ -66,8 +66,9 @@ def probe(body: str) -> str:
         else:
             parameters.append(f"{type(default).__name__} {parameter.shader} = {default}")
     for slot in range(1, lights.SLOTS + 1):
-        kind, vector, size = lights.slot_names(slot)
+        kind, vector, size, facing = lights.slot_names(slot)
         parameters += [f"float {kind} = 0", f"vector {vector} = 0", f"float {size} = 0"]
+        parameters.append(f"vector {facing} = 0")
     return (
         f"shader metallic_paint({', '.join(parameters)},\n"
         "output float Rendered = 1, output closure color BSDF = 0)\n"
