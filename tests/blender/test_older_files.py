@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from metallic_paint import verify
 from metallic_paint.paint import material, migration, presets
+from metallic_paint.scene import needs
 
 FILE = Path(__file__).with_name("of-0.1.0.blend")
 
@@ -52,11 +53,12 @@ def test_with_the_anchor_set_back_the_updated_picture_is_the_old_one(
     before = verify.render(scene)
     assert (before.max(axis=-1) > 1).sum() > 10  # sparkles
     migration.update()
+    needs.fit(scene)  # as the operator does
     riding = verify.render(scene)
     assert (riding != before).any(axis=-1).sum() > 100
     node_in(scene).inputs["Anchor"].default_value = 0
-    # The shader of today rounds otherwise.
-    np.testing.assert_allclose(verify.render(scene), before, rtol=1e-5)
+    # What is scattered several times knows now how the light grazes.
+    np.testing.assert_allclose(verify.render(scene), before, rtol=1e-3, atol=1e-3)
 
 
 def test_a_later_update_leaves_the_anchor_as_it_is_and_says_nothing_of_it(
