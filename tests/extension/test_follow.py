@@ -79,7 +79,7 @@ def test_light_of_the_same_name_takes_over(addon: Addon) -> None:
     bpy.data.objects.remove(lamp)
     bpy.data.lights.remove(data)
     add("POINT", "Lamp", 5)
-    [(_, vector, _)] = addon("scene.carrier").values()
+    [(_, vector, _, _)] = addon("scene.carrier").values()
     assert vector.x == 5
 
 
@@ -88,7 +88,7 @@ def test_light_with_other_data_takes_its_radius(addon: Addon) -> None:
     lamp.data = bpy.data.lights.new("Other", "POINT")
     lamp.data.shadow_soft_size = 0.75
     update()
-    [(_, _, size)] = addon("scene.carrier").values()
+    [(_, _, size, _)] = addon("scene.carrier").values()
     assert size == 0.75
 
 
@@ -148,7 +148,7 @@ def test_lights_linked_from_another_file(addon: Addon, tmp_path: Path) -> None:
         into.objects = ["Theirs"]
     bpy.context.scene.collection.objects.link(into.objects[0])
     update()
-    [(_, vector, _)] = addon("scene.carrier").values()
+    [(_, vector, _, _)] = addon("scene.carrier").values()
     assert vector.x == 3
 
 
@@ -162,7 +162,7 @@ def test_parented_and_animated_lights_follow_their_parent(addon: Addon) -> None:
     update()
     for frame, x in ((1, 0), (11, 10)):
         bpy.context.scene.frame_set(frame)
-        [(_, vector, _)] = addon("scene.carrier").values()
+        [(_, vector, _, _)] = addon("scene.carrier").values()
         assert vector.x == pytest.approx(x)
 
 
@@ -186,7 +186,7 @@ def test_moving_a_light_needs_the_drivers_alone(
     fits.clear()
     lamp.location.x = 7
     update()
-    [(_, vector, _)] = addon("scene.carrier").values()
+    [(_, vector, _, _)] = addon("scene.carrier").values()
     assert round(vector.x, 5) == 7
     assert fits == []
 
@@ -195,7 +195,7 @@ def test_a_new_size_of_a_light_is_noticed(addon: Addon, painted: bpy.types.Objec
     sun, lamp = add("SUN", "A sun"), add("POINT", "Lamp", 1)
     sun.data.angle, lamp.data.shadow_soft_size = 0.2, 0.75
     update()
-    sizes = [size for _, _, size in addon("scene.carrier").values()]
+    sizes = [size for _, _, size, _ in addon("scene.carrier").values()]
     assert sizes == pytest.approx([math.sin(0.1), 0.75])
 
 
@@ -525,7 +525,7 @@ def test_undo_and_redo_bring_lights_and_paints_back(
         values = addon("scene.carrier").values()
         assert addon("scene.needs").is_fitted(bpy.context.scene)
         assert len(values) == len(slots(addon))
-        return [round(vector.x) for _, vector, _ in values]
+        return [round(vector.x) for _, vector, _, _ in values]
 
     for expected in places[-2::-1]:
         assert bpy.ops.ed.undo() == {"FINISHED"}
