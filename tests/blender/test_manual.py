@@ -107,7 +107,9 @@ def test_every_button_and_panel_is_named() -> None:
 
 
 def test_every_choice_of_the_panel_is_named_where_the_manual_tells_of_it() -> None:
-    [sentence] = [line for line in TEXT.splitlines() if "the panel Metallic Paint set them by words" in line]
+    [sentence] = [
+        line for line in TEXT.splitlines() if "the panel Metallic Paint set them by words" in line
+    ]
     for name, parameter in OWN.items():
         assert (parameter.label in sentence) == bool(parameter.choices), name
     assert "of each species" in sentence
