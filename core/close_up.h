@@ -11,15 +11,18 @@
 // all that can cover it, and the search in a cell ends where it passes the best so far: its work is
 // bounded however dense the paint.
 //
-// What a sample sees of a species is the uppermost flake over it, and nothing below. At the depth
-// z, a share of the layer, that one is seen with the probability e^-bz: b = D H <S>
-// <s>/cos(theta_p) is the mean number of flakes over a point. What they do not hide is left to the
-// closed form, which has the way of the light, the other species and the binder: the flake is
-// dimmed by e^-(x - b)z with x the optical depth there and back. So the mean is
+// What a sample sees of a species is one flake over it, and nothing below. One that transmits t is
+// passed over with the probability q = t^2, its own share of light on the ways there and back, by
+// a deviate of the sample's place; what is seen shows 1/(1 - q) for it. So the samples of a pixel
+// see flakes through others. At the depth z, a share of the layer, a flake is seen with the
+// probability (1 - q) e^-bz: b = (1 - q) D H <S> <s>/cos(theta_p) is the mean number of flakes over
+// a point that end the search. What they do not hide is left to the closed form, which has the way
+// of the light, the other species and the binder: the flake is dimmed by e^-(x - b)z with x the
+// optical depth there and back. So the mean is
 //   integral over z of D H <S> ... r_p e^-bz e^-(x - b)z = D H <S> ... r_p (1 - e^-x)/x,
 // `mean_radiance` of expect_sparkles and `sample_flake`'s of the lobe to the letter, for every
-// coverage. Flakes that transmit hide as if they did not, and those seen below are the brighter for
-// it, up to what a mirror shows: where b is above 3, deep ones are cut there.
+// coverage. q is that of the colour that passes least; another's flakes are the brighter with
+// depth, up to what a mirror shows.
 //
 // Left out: the parallax of depth. A flake of the layer's ground is seen up to H tan(theta_p) from
 // where it is drawn, 20 um under 25 um of lacquer at grazing angles, and as much between the eyes.
@@ -60,7 +63,8 @@ struct FirstFlake {
   Vec3<T> normal{};  // in the world
   T facing{};        // |v . m|
   T depth = 1;       // share of the layer
-  T hiding{};        // b, the mean number of the species' flakes over a point
+  T hiding{};        // b, the mean number of the species' flakes over a point that hide
+  T passed{};        // q
 };
 
 // A flake's outline is an irregular hexagon of area 1, of which each flake has an image of its own:
@@ -98,6 +102,18 @@ inline constexpr double kBlockSide = 12;
 // A view that runs flatter through the binder (an index below 1.03 has such) sees flakes that are
 // cut at the neighbouring cells' ends.
 inline constexpr double kFlattestView = 0.25;
+
+// Flakes that let more than this pass are seen a little too often, and are the dimmer for it: the
+// search stays short, and no sample outshines ten flakes.
+inline constexpr double kMostPassed = 0.9;
+
+// q.
+template <class T>
+T passed_over(const Flakes<T>& flakes) {
+  const Rgb<T> t = usual_transmittance(flakes);
+  const T least = min(min(t.x, t.y), t.z);
+  return min(least * least, T(kMostPassed));
+}
 
 // A direction in the plane, by the turn u in (0, 1).
 template <class T>
@@ -187,7 +203,9 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
                           Vec3<T> inside, const LatticePoint<T>& at, T size, HashWords key) {
   FirstFlake<T> first;
   const T cos_in = min(dot(inside, normal), T(1));
-  first.hiding = flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in;
+  first.passed = passed_over(flakes);
+  first.hiding = (1 - first.passed) *
+                 (flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in);
   if (!(first.hiding > 0)) return first;
   const T block = T(kBlockSide) * sqrt(flakes.flake_area);
   const HashWords decided = pcg4d({lattice_word(floor(at.a / block)) ^ key.x,
@@ -214,6 +232,8 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T x = clamp(at.a / side, T(-1e30), T(1e30));
   const T y = clamp(at.b / side, T(-1e30), T(1e30));
   const T column = floor(x), row = floor(y);
+  const std::uint32_t place_x = lattice_word(floor((x - column) * T(8388608)));
+  const std::uint32_t place_y = lattice_word(floor((y - row) * T(8388608)));
   Vec3<T> m{};
   for (int k = 0; k < 9; ++k) {
     const int of_nine = (k + 4) % 9;  // the sample's own first
@@ -233,6 +253,10 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
       if (da * da + db * db > reach * reach) continue;
       const DrawnFlake<T> flake = draw_flake(flakes, most, {da, db, T(0)}, v, words);
       if (!flake.covers) continue;
+      if (first.passed > 0) {
+        const HashWords here = pcg4d({words.x ^ place_x, words.y ^ place_y, words.z, words.w});
+        if (uniform_23<T>(here.x) < first.passed) continue;
+      }
       first.seen = true;
       first.depth = depth;
       first.facing = min(abs(flake.facing), T(1));
@@ -250,7 +274,7 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
 template <class T>
 Rgb<T> shown_by(const FirstFlake<T>& first, Rgb<T> reflectance, Rgb<T> slant) {
   const auto shown = [&](T r, T x) {
-    return min(r * exponential((first.hiding - x) * first.depth), T(1));
+    return min(r / (1 - first.passed) * exponential((first.hiding - x) * first.depth), T(1));
   };
   return {shown(reflectance.x, slant.x), shown(reflectance.y, slant.y),
           shown(reflectance.z, slant.z)};
@@ -287,7 +311,7 @@ Rgb<T> flake_radiance_variance(const Layer<T>& layer, const FirstFlake<T>& first
     const T square = mean * most * min(reflectance * fading / mean_transmittance(x), T(1));
     return max(square - mean * mean, T(0)) * (left * left);
   };
-  const Rgb<T> mean = mean_radiance(expected), r = expected.reflectance;
+  const Rgb<T> mean = mean_radiance(expected), r = expected.reflectance / (1 - first.passed);
   return {variance(mean.x, r.x, way.slant.x), variance(mean.y, r.y, way.slant.y),
           variance(mean.z, r.z, way.slant.z)};
 }

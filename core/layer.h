@@ -99,10 +99,16 @@ Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffractio
   return flakes;
 }
 
-// D H <S> <cos(beta)> (1 - t_p)^2, where t_p of a coating is that at some 25 degrees.
+// t_p at some 25 degrees, as most light meets flakes.
+template <class T>
+Rgb<T> usual_transmittance(const Flakes<T>& flakes) {
+  return coating_transmittance(flakes.coating, T(0.9));
+}
+
+// D H <S> <cos(beta)> (1 - t_p)^2.
 template <class T>
 Rgb<T> shared_blocking_of(const Flakes<T>& flakes) {
-  const Rgb<T> kept = grey(T(1)) - coating_transmittance(flakes.coating, T(0.9));
+  const Rgb<T> kept = grey(T(1)) - usual_transmittance(flakes);
   return kept * kept * (flakes.coverage * flakes.orientation.mean_cos);
 }
 

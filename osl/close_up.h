@@ -22,6 +22,7 @@
 #define LEAST_IN_CELL 0.5
 #define BLOCK_SIDE 12.0
 #define MOST_IN_CELL 64
+#define MOST_PASSED 0.9
 
 #define FLATTEST_VIEW 0.25
 
@@ -39,6 +40,7 @@ struct FirstFlake {
   float facing;
   float depth;
   float hiding;
+  float passed;
 };
 
 float outline(float x, float y)
@@ -47,6 +49,13 @@ float outline(float x, float y)
   float left = max(0.888914990 * y - 1.64512237 * x, -(1.88381833 * x + 0.464797057 * y));
   float rest = max(0.310337949 * x + 1.92865169 * y, 0.0164892106 * x - 1.94948002 * y);
   return max(max(right, left), rest);
+}
+
+float passed_over(Flakes some, float library[])
+{
+  color t = usual_transmittance(some, library);
+  float least = min(min(t[0], t[1]), t[2]);
+  return min(least * least, MOST_PASSED);
 }
 
 struct Turn {
@@ -149,15 +158,17 @@ FirstFlake no_flake()
   first.facing = 0.0;
   first.depth = 1.0;
   first.hiding = 0.0;
+  first.passed = 0.0;
   return first;
 }
 
-FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, LatticePoint at, float size,
-                       HashWords key)
+FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, vector inside, LatticePoint at,
+                       float size, HashWords key)
 {
   FirstFlake first = no_flake();
   float cos_in = min(inner_product(inside, n), 1.0);
-  first.hiding = flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in;
+  first.passed = passed_over(flakes, library);
+  first.hiding = (1.0 - first.passed) * (flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in);
   if (!(first.hiding > 0.0))
     return first;
   float block = BLOCK_SIDE * sqrt(flakes.flake_area);
@@ -182,6 +193,8 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
   float y = clamp(at.b / side, -1e30, 1e30);
   float column = floor(x);
   float row = floor(y);
+  int place_x = lattice_word(floor((x - column) * 8388608.0));
+  int place_y = lattice_word(floor((y - row) * 8388608.0));
   vector m = vector(0.0);
   for (int k = 0; k < 9; ++k) {
     int of_nine = (k + 4) % 9;
@@ -207,6 +220,11 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
       DrawnFlake flake = draw_flake(flakes, most, da, db, v, words);
       if (!flake.covers)
         continue;
+      if (first.passed > 0.0) {
+        HashWords here = pcg4d(words.x ^ place_x, words.y ^ place_y, words.z, words.w);
+        if (uniform_23(here.x) < first.passed)
+          continue;
+      }
       first.seen = 1;
       first.depth = depth;
       first.facing = min(fabs(flake.facing), 1.0);
@@ -222,7 +240,7 @@ FirstFlake first_flake(Layer layer, Flakes flakes, vector n, vector inside, Latt
 
 color shown_by(FirstFlake first, color reflectance, color slant)
 {
-  return min(reflectance * exponential((color(first.hiding) - slant) * first.depth), color(1.0));
+  return min(reflectance / (1.0 - first.passed) * exponential((color(first.hiding) - slant) * first.depth), color(1.0));
 }
 
 color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSparkles expected, Passage way)
@@ -240,7 +258,7 @@ color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSpark
 }
 
 // `firsts` arrive as no_flake().
-void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int frame, int seed,
+void look_close(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, int frame, int seed,
                 output FirstFlake firsts[SPECIES])
 {
   float cos_view = min(inner_product(surface.n, surface.view), 1.0);
@@ -266,6 +284,6 @@ void look_close(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, int f
       continue;
     HashWords key = own_stream(layer, own, i, frame, seed);
     key.z = key.z + plane.face;
-    firsts[i] = first_flake(layer, some, surface.n, inside, at, size, key);
+    firsts[i] = first_flake(layer, some, library, surface.n, inside, at, size, key);
   }
 }

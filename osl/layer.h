@@ -77,9 +77,14 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
   return flakes;
 }
 
+color usual_transmittance(Flakes some, float library[])
+{
+  return coating_transmittance(some.coating, library, 0.9);
+}
+
 color shared_blocking_of(Flakes some, float library[])
 {
-  color kept = color(1.0) - coating_transmittance(some.coating, library, 0.9);
+  color kept = color(1.0) - usual_transmittance(some, library);
   return kept * kept * (some.coverage * some.orientation.mean_cos);
 }
 

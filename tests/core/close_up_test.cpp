@@ -236,6 +236,45 @@ TEST(CloseUp, TheMeanOfTheSparklesIsTheClosedForms) {
   squares.expect_chance();
 }
 
+TEST(CloseUp, FlakesThatTransmitAreSeenThrough) {
+  // Samples within a thousandth of a flake have the same flakes over them. A share q of them passes
+  // the uppermost over, whichever colour passes more.
+  Random random(run_seed() + 4);
+  Comparisons shares;
+  for (int k = 0; k < 40 / kFewer; ++k) {
+    TestScene scene;
+    scene.paint = close_paint(random);
+    for (int i = 1; i < kSpecies; ++i) scene.paint.more[static_cast<std::size_t>(i - 1)] = {};
+    const double t = rounded(random.uniform(0.1, 0.9));
+    scene.paint.coating = CoatingKind::colors;
+    scene.paint.flake_transmission = {t, rounded(random.uniform(t, 1)), t};
+    scene.paint.flake_color = scene.paint.flake_edge_color = {};
+    const Layer<double> layer = make_layer<double>(scene.paint);
+    scene.normal = any_direction(random);
+    const OwnAxes own = any_axes(random);
+    do scene.view = any_direction(random);
+    while (dot(scene.view, scene.normal) < 0.2);
+    const Vec3<double> inside = view_inside(layer, scene.normal, scene.view);
+    Moments uppermost;
+    for (int spot = 0; spot < 20'000 && uppermost.n < 2'000; ++spot) {
+      const LatticePoint<double> at = lattice_across(own, scene.normal, random);
+      const HashWords key = key_of(random);
+      const auto look = [&] {
+        LatticePoint<double> near = at;
+        near.a += 1e-3 * layer.flakes[0].diameter * random.uniform();
+        near.b += 1e-3 * layer.flakes[0].diameter * random.uniform();
+        return first_flake(layer, layer.flakes[0], scene.normal, inside, near, 0.0, key).depth;
+      };
+      double least = 1;  // the uppermost's, which 80 looks miss with a probability below 1e-7
+      for (int place = 0; place < 80; ++place) least = std::min(least, look());
+      for (int place = 0; place < 10 && least < 1; ++place) uppermost.add(look() <= least ? 1 : 0);
+    }
+    scene.light = scene.normal;
+    shares.see(z_of(uppermost, 1 - t * t), scene);
+  }
+  shares.expect_chance();
+}
+
 TEST(CloseUp, TheMeanOfTheLobeIsTheClosedForms) {
   Random random(run_seed() + 2);
   Comparisons means;

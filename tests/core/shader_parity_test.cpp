@@ -323,7 +323,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
   std::array<osl::FirstFlake, kSpecies> shader_firsts;
   shader_firsts.fill(osl::no_flake());
-  osl::look_close(shader_layer, shader_flakes, surface, paint.frame, paint.seed, shader_firsts);
+  osl::look_close(shader_layer, shader_flakes, library, surface, paint.frame, paint.seed,
+                  shader_firsts);
   for (std::size_t i = 0; i < kSpecies; ++i) {
     const osl::FirstFlake& first = shader_firsts[i];
     same("close", first.close, firsts[i].close);
@@ -332,6 +333,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     same("flake's facing", first.facing, firsts[i].facing);
     same("flake's depth", first.depth, firsts[i].depth);
     same("flake's hiding", first.hiding, firsts[i].hiding);
+    same("flakes passed over", first.passed, firsts[i].passed);
     visits.close += first.close;
     visits.covered += first.seen;
   }

@@ -18,7 +18,7 @@ import metallic_paint_core as core
 import numpy as np
 from bench.absent_parts import painted, replace
 from mathutils import Matrix, Vector
-from metallic_paint.paint import Paint, core_paint, material, presets
+from metallic_paint.paint import COATINGS, Paint, core_paint, material, presets
 from metallic_paint.scene import lights
 from pictures.render_scene import say
 
@@ -222,11 +222,12 @@ class View:
         depth z, a share of the layer, both see it if no other disc hides either: discs over both
         count once, exp(-b z (2 - O(d/D))) with b the mean number of discs over a point and O the
         share of two discs d apart that overlap. The way of the light is the closed form's: in all
-        exp(-(2 x - b O) z), x the depth of the layer there and back. Correlated, the closed form
-        has the mean square of the share of a disc that is free on both ways, that of traced discs:
-        only how that square is spread over d is left. Else it has exp(-2 x z), flakes of no size.
-        Where a share s of all points shows a disc, of which a share `lit` is lit, the square of the
-        mean takes lit s of the variance.
+        exp(-(2 x - b O) z), x the depth of the layer there and back. Discs that let q pass, there
+        and back, take (1 - q) b for b from one sample, and (1 - q)^2 b O count once. Correlated,
+        the closed form has the mean square of the share of a disc that is free on both ways, that
+        of traced discs: only how that square is spread over d is left. Else it has exp(-2 x z),
+        flakes of no size. Of the discs over a point, b of which a share `lit` is lit, no second one
+        is seen but through the first: that takes the square of the mean, less what such pairs show.
         """
         random = np.random.default_rng()  # a quadrature: 1e5 points leave 0.5 %
         paint, count = self.paint, 100_000
@@ -243,11 +244,24 @@ class View:
         u = np.minimum(np.hypot(*across.T) / (2 * radius[:, 0]), 1)
         overlap = 2 / math.pi * (np.arccos(u) - u * np.sqrt(1 - u * u))
         hiding = paint.flakes_per_mm2 * 1e6 * disc
-        both = averaged(2 * depth - hiding * overlap)
+        passed = self.passed()
+        both = averaged(2 * depth - hiding * (1 - passed) ** 2 * overlap)
         correlated = paint.depth_model == "correlated"
         alone = both if correlated else averaged(2 * depth)
-        covered = -math.expm1(-hiding)
-        return float((weight * both).sum() / (sizes**2 * alone).sum()) * (1 - lit * covered)
+        upper, lower = np.sort(random.random((2, count)), axis=0)
+        pairs = passed * np.exp(-hiding * (1 - passed) * ((1 + passed) * upper + lower - upper))
+        mean = averaged(hiding * (1 - passed))
+        square = averaged(hiding * (1 - passed * passed))
+        alike = (weight * both).sum() / (sizes**2 * alone).sum()
+        return float(alike * (1 - hiding * lit * (mean * mean - pairs.mean()) / square))
+
+    def passed(self) -> float:
+        """The share of green that flakes let pass on the ways there and back."""
+        kind = COATINGS.index(self.paint.coating)
+        if kind == 0:
+            return self.paint.flake_transmission[1] ** 2
+        _, through = core.library_coating([kind], [self.paint.coating_nm], [0.9])
+        return float(through[0, 1]) ** 2
 
 
 IRRADIANCE = 3.0  # of the stage's sun

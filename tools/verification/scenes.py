@@ -156,6 +156,8 @@ _SCENES = (
           scale=(0.15, 0.15, 0.15), paint=THREE, seeds=4),
     Scene("pearls over a textured white", (SUN,), shape="sphere", distance=1, width=0.3,
           scale=(0.15, 0.15, 0.15), paint=PEARLS, seeds=2),
+    Scene("pearls seen one by one", (sun("Sun", 55, 95, 8),), width=0.003, distance=0.3,
+          paint=dataclasses.replace(PEARLS, flake_diameter_um=90, flakes_per_mm2=150), seeds=4),
     Scene("so far that the mean takes over", (SUN,), shape="sphere", distance=1000, width=170,
           scale=(80, 80, 80), paint=dataclasses.replace(THREE, depth_model="thinned")),
     Scene("half the contrast, near and far", (SUN,), shape="sphere", distance=5, width=1,
