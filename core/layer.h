@@ -58,6 +58,7 @@ struct Layer {
   Rgb<T> shared_blocking;
   T mean_diameter;  // D, m, of what they cover; 0: there is none
   T thickness_in_flakes;
+  T haze;  // solid angle of tilts of the coat's facets, for each way through it
   DepthModel depth_model;
   Radiometry radiometry;
   T sparkle_contrast;  // share of the sparkles' fluctuation that is shown
@@ -138,6 +139,12 @@ Layer<T> make_layer(const Paint& paint) {
     layer.mean_diameter = width / layer.coverage;
     layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
   }
+  // Of two GGX densities convolved, those of the ways in and out, the peak is that of a disc of 3
+  // pi alpha^2, 1.5 a way; their long tails take as much again from the flakes. The sparkles' mean
+  // is then within 12 % of facets drawn one by one, up to a roughness of 0.5 and views of 60
+  // degrees; seen as through a smooth coat up to 50 % off (Sparkles.ThroughARoughCoat).
+  const T alpha = static_cast<T>(paint.coat_roughness) * static_cast<T>(paint.coat_roughness);
+  layer.haze = 3 * std::numbers::pi_v<T> * (alpha * alpha);
   layer.depth_model = paint.depth_model;
   layer.radiometry = paint.radiometry;
   layer.sparkle_contrast = static_cast<T>(paint.sparkle_contrast);

@@ -93,8 +93,8 @@ struct Paint : FlakeSpecies {
   // substrate, seen over 1 mm²; finer pixels see more, the finest even more than they receive; 0 to
   // 1
   double texture_contrast = 0;
-  // Roughness of the surface of the binder. It blurs the highlight only: flakes are seen as through
-  // a smooth coat; 0 to 1
+  // Roughness of the surface of the binder. It blurs the highlight, and the flakes seen through it:
+  // sparkles become more and dimmer; 0 to 1
   double coat_roughness = 0;
   // Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good car
   // paint has some 0.1°; 0 to 1 rad

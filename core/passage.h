@@ -31,12 +31,13 @@ struct Passage {
   bool open = false;   // false: no flake can send this light to the observer
   bool given = false;  // the optical depth is: nothing is known of what hides a flake
   Mirror<Wide<T>> mirror{};
-  Wide<T> inside{}, ratio{};  // the light's cone in the binder, sr; that over its cone outside
-  Wide<T> surface{};          // transmittance of the surface, in and out
-  T cos_exit{};               // cosine of the exit by which flakes cover the pixel
-  T breadth{}, apart = 1;     // of the light
-  Rgb<T> slant{};             // optical depth of the layer, there and back: t H
-  Rgb<T> shared{};            // what that lacks of the sum of both ways'
+  Wide<T> inside{};        // the light's cone in the binder as the coat's roughness widens it, sr
+  Wide<T> ratio{};         // of a smooth coat, over its cone outside
+  Wide<T> surface{};       // transmittance of the surface, in and out
+  T cos_exit{};            // cosine of the exit by which flakes cover the pixel
+  T breadth{}, apart = 1;  // of the light
+  Rgb<T> slant{};          // optical depth of the layer, there and back: t H
+  Rgb<T> shared{};         // what that lacks of the sum of both ways'
 };
 
 // `slant` overrides the layer's own optical depth t H where it is given (validation against other
@@ -65,6 +66,12 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
+  if (layer.haze > 0) {
+    way.inside =
+        way.inside +
+        layer.haze * (solid_angle_of_facets(way.mirror.cos_view, way.mirror.g_view, eta) +
+                      solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));
+  }
   const T apart =
       ways_apart(point.normal, point.view, static_cast<T>(way.mirror.cos_view),
                  static_cast<T>(way.mirror.g_view), Vec3<T>(light.direction),

@@ -55,6 +55,14 @@ T solid_angle_ratio(T cos_theta, T g, T eta) {
   return cos_theta / (eta * g);
 }
 
+// By how much facets of the surface, tilted by delta, turn what they refract, per delta: by (g -
+// c)/g in the plane of incidence and by (g - c)/eta across, from Snell's law on the tangents. A
+// solid angle of tilts becomes the product's. c = cos(theta).
+template <class T>
+T solid_angle_of_facets(T cos_theta, T g, T eta) {
+  return (g - cos_theta) * (g - cos_theta) / (eta * g);
+}
+
 // A direction closer to the surface, in rad, sees nothing of it: optical depths stay inside a
 // float.
 inline constexpr double kLeastCosine = 1e-20;

@@ -35,6 +35,7 @@ struct Layer {
   color shared_blocking;
   float mean_diameter;
   float thickness_in_flakes;
+  float haze;
   int depth_model;
   int radiometry;
   float sparkle_contrast;
@@ -117,6 +118,8 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
     layer.mean_diameter = width / layer.coverage;
     layer.thickness_in_flakes = thickness_mm * 0.001 * (layer.coverage / width);
   }
+  float alpha = given.coat_roughness * given.coat_roughness;
+  layer.haze = 3.0 * M_PI * (alpha * alpha);
   layer.depth_model = given.depth_model;
   layer.radiometry = given.radiometry;
   layer.sparkle_contrast = given.sparkle_contrast;

@@ -65,6 +65,9 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
     outside = M_PI * squared_angle(light.sin2_half_radius);
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
+  if (layer.haze > 0.0)
+    way.inside = way.inside + layer.haze * (solid_angle_of_facets(way.mirror.cos_view, way.mirror.g_view, eta) +
+                                            solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));
   float apart = ways_apart(surface.n, surface.view, way.mirror.cos_view, way.mirror.g_view, light.direction,
                            way.mirror.cos_light, way.mirror.g_light);
   color out = slant_depth_of(layer, flakes, library, cos_light_in);

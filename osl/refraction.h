@@ -30,6 +30,11 @@ float solid_angle_ratio(float cos_theta, float g, float eta)
   return cos_theta / (eta * g);
 }
 
+float solid_angle_of_facets(float cos_theta, float g, float eta)
+{
+  return (g - cos_theta) * (g - cos_theta) / (eta * g);
+}
+
 #define LEAST_COSINE 1e-20
 
 float seen_cosine(vector n, vector view)

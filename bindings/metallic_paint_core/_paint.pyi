@@ -129,8 +129,8 @@ class Paint(FlakeSpecies):
     # the substrate, seen over 1 mm²; finer pixels see more, the finest even more than they receive;
     # 0 to 1
     texture_contrast: float
-    # Roughness of the surface of the binder. It blurs the highlight only: flakes are seen as
-    # through a smooth coat; 0 to 1
+    # Roughness of the surface of the binder. It blurs the highlight, and the flakes seen through
+    # it: sparkles become more and dimmer; 0 to 1
     coat_roughness: float
     # Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good car
     # paint has some 0.1°; 0 to 1 rad

@@ -549,6 +549,65 @@ TEST(Sparkles, FlakesOwnSpreadAddsToTheSolidAngleInTheBinder) {
   EXPECT_LE(relative_error(both, light_only + spread_only), 1e-14);
 }
 
+TEST(Sparkles, ThroughARoughCoat) {
+  // Facets drawn on either way turn the flake's normal that mirrors the light: the mean of P there,
+  // over the model's, which widens the cone for both ways.
+  Random random = fresh(1701);
+  Worst worst;
+  for (int k = 0; k < 60; ++k) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    scene.paint.radiometry = Radiometry::exact;
+    scene.paint.flake_spread = 0;
+    scene.paint.tilt = random.uniform(0.1, 0.3);
+    scene.paint.binder_ior = random.uniform(1.3, 1.8);
+    aim(scene, random, 1);
+    if (dot(scene.normal, scene.view) < 0.5 || dot(scene.normal, scene.light) < 0.5) continue;
+    scene.light_sine = 1e-4;
+    scene.footprint = 1e-6;
+    scene.paint.coat_roughness = random.uniform(0.05, 0.5);
+    const Layer<double> layer = scene.layer<double>();
+    const auto& density = layer.flakes[0].orientation;
+    const auto facet = [&] {
+      const double u = random.uniform(), phi = 2 * std::numbers::pi * random.uniform();
+      const double slope =
+          scene.paint.coat_roughness * scene.paint.coat_roughness * std::sqrt(u / (1 - u));
+      const Vec3<double> x = any_direction(random);
+      Vec3<double> along = x - scene.normal * dot(x, scene.normal);
+      along = along / length(along);
+      const Vec3<double> across = cross(scene.normal, along);
+      const Vec3<double> m =
+          scene.normal + (along * std::cos(phi) + across * std::sin(phi)) * slope;
+      return m / length(m);
+    };
+    Moments drawn;
+    for (int i = 0; i < 20'000; ++i) {
+      const Vec3<double> in = facet(), out = facet();
+      const double c = dot(in, scene.light), d = dot(out, scene.view);
+      if (!(c > 0 && d > 0)) continue;
+      Vec3<double> half = (scene.light + in * (eta_cos_refracted(c, layer.eta) - c)) +
+                          (scene.view + out * (eta_cos_refracted(d, layer.eta) - d));
+      half = half / length(half);
+      const Vec3<double> off = half - scene.normal;
+      const double weight = c * d / (dot(in, scene.normal) * dot(out, scene.normal));
+      drawn.add(weight * static_cast<double>(orientation_density(
+                             density, static_cast<long double>(dot(off, off) / 4))));
+    }
+    const double facing = dot(scene.normal, scene.view) * dot(scene.normal, scene.light);
+    const auto way = pass_between(layer, scene.point<double>(), scene.seen<double>());
+    const auto quarter = quarter_cone(cone_in_binder(layer.flakes[0], way), way);
+    const auto probability =
+        flake_probability(density, Radiometry::exact, way.mirror.sin2_half_beta, quarter);
+    const double model = static_cast<double>(probability / (2 * quarter)) * facing;
+    scene.paint.coat_roughness = 0;
+    worst.see(
+        std::max(std::fabs(model / drawn.mean() - 1) - 4 * drawn.error_of_mean() / drawn.mean(),
+                 0.0),
+        scene);
+  }
+  worst.expect_at_most(0.2);  // measured: 0.12 of 180 scenes; 0.52 of a smooth coat
+}
+
 TEST(Sparkles, ProbabilityOfASparkleIsAtMostOne) {
   TestScene scene = plain_scene();
   scene.paint.tilt = 1e-4;

@@ -210,8 +210,8 @@ PAINT_PARAMETERS = {
     ),
     "coat_roughness": Parameter(
         "CoatRoughness", "Coat Roughness", "Binder", 0, 1,
-        "Roughness of the surface of the binder. It blurs the highlight only: flakes are seen as "
-        "through a smooth coat",
+        "Roughness of the surface of the binder. It blurs the highlight, and the flakes seen "
+        "through it: sparkles become more and dimmer",
         subtype="FACTOR",
     ),
     "orange_peel": Parameter(
