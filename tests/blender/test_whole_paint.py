@@ -137,6 +137,8 @@ LIT = dataclasses.replace(
 NEAR = dataclasses.replace(
     LIT, shape="plane", scale=(1, 1, 1), width=0.03, elevation=50,
     lamps=(scenes.lamp("Point", "POINT", (-0.06, 0.39, 0.46)),),
+    # Of an index at which rough facets neither hide the sparkles nor outshine them.
+    paint=dataclasses.replace(LIT.paint, binder_ior=1.1),
 )  # fmt: skip
 
 
