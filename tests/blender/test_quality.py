@@ -37,8 +37,8 @@ def build() -> bpy.types.Scene:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.02)
     bpy.context.object.name = "Ball"
     bpy.ops.object.shade_smooth()
-    # A coat without roughness would mirror the sun itself, in a few noisy pixels; a rougher one would
-    # blur the sparkles.
+    # A coat without roughness would mirror the sun itself, in a few noisy pixels; a rougher one
+    # would blur the sparkles.
     paint = dataclasses.replace(presets.load("silver-coarse"), coat_roughness=0.1)
     material.assign(bpy.context.object, material.create(paint, "Silver"))
     add_lamp("SUN", "Sun", energy=3, angle=math.radians(0.53), rotation_euler=(0.9, 0.3, 0))
