@@ -572,7 +572,16 @@ def test_the_shader_of_an_installed_package_comes_first(
     ("paint", "expected"),
     [
         (Paint(flakes_per_mm2=1e5, flake_color=(0.1, 0.2, 0.3)), (0.1, 0.2, 0.3)),
-        (Paint(flakes_per_mm2=1e5, coating="gold"), (1.0, 0.67, 0.26)),
+        (Paint(flakes_per_mm2=1e5, coating="gold"), (1.0, 0.6763, 0.2669)),
+        (
+            Paint(
+                flakes_per_mm2=1e5,
+                coating="tio2-on-silica",
+                coating_nm=80,
+                substrate_color=(0, 0, 0),
+            ),
+            (0.3474, 0.3966, 0.0514),
+        ),
         (Paint(flakes_per_mm2=0, substrate_color=(0.3, 0.2, 0.1)), (0.3, 0.2, 0.1)),
         (
             Paint(
@@ -584,12 +593,12 @@ def test_the_shader_of_an_installed_package_comes_first(
             (0.5, 0.5, 0.5 * np.exp(-1)),
         ),
     ],
-    ids=["colour", "metal", "substrate", "tinted"],
+    ids=["colour", "metal", "pearl", "substrate", "tinted"],
 )
 def test_the_solid_view_shows_the_paints_colour(
     paint: Paint, expected: tuple[float, float, float]
 ) -> None:
-    assert material.create(paint).diffuse_color[:3] == pytest.approx(expected, abs=1e-6)
+    assert material.create(paint).diffuse_color[:3] == pytest.approx(expected, abs=1e-4)
 
 
 def test_a_material_that_is_more_than_the_paint_keeps_its_colour() -> None:

@@ -11,7 +11,15 @@ import metallic_paint_core as core
 import numpy as np
 import pytest
 import seeds
-from metallic_paint.paint import COATINGS, PARAMETERS, Paint, core_paint, material, presets, preview
+from metallic_paint.paint import (
+    COATINGS,
+    PARAMETERS,
+    Paint,
+    coatings,
+    core_paint,
+    material,
+    presets,
+)
 from metallic_paint.verify import make_noiseless, render
 from verification import scenes
 
@@ -186,6 +194,6 @@ def test_a_texture_in_a_socket_shows() -> None:
 
 def test_the_table_of_coatings_is_made_once_and_lies_in_the_file() -> None:
     material.create(Paint())
-    image = preview.coating_table()
-    assert [each for each in bpy.data.images if each.name.startswith(preview.TABLE)] == [image]
+    image = coatings.table()
+    assert [each for each in bpy.data.images if each.name.startswith(coatings.TABLE)] == [image]
     assert image.packed_file is not None

@@ -563,3 +563,19 @@ def test_what_undo_may_free_is_not_pointed_at(addon: Addon, step: str) -> None:
     assert needs.is_fitted(bpy.context.scene)
     assert slots(addon) == ["Other"]
     assert carrier.only().animation_data.drivers
+
+
+def test_the_solid_view_follows_the_paint_unless_its_owner_chose_a_look(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    shown = painted.active_material
+    socket = addon("paint.material").paint_node(shown).inputs["Substrate Color"]
+    before = tuple(shown.diffuse_color)
+    socket.default_value = (0.9, 0.1, 0.1, 1)
+    update()
+    red, green, _, _ = shown.diffuse_color
+    assert red - green > 0.05 + before[0] - before[1]
+    shown.diffuse_color = (0, 1, 0, 1)
+    socket.default_value = (0.1, 0.1, 0.9, 1)
+    update()
+    assert tuple(shown.diffuse_color) == (0, 1, 0, 1)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..scene import carrier, lights
-from . import animation, preview, shader
+from . import animation, preview, shader, solid
 from .parameters import (
     BINDER,
     FLAKES,
@@ -52,6 +53,7 @@ _GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
 
 _MARK = "metallic_paint"  # custom properties of the group: its version, and its shader's digest
 _SOURCE_MARK = "metallic_paint_source"
+_SOLID = "metallic_paint_solid"  # of a material: the look that it was given for the Solid view
 
 _PANEL_DESCRIPTIONS = {
     FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
@@ -85,13 +87,6 @@ _GEOMETRY_DESCRIPTIONS = {
     "lie: for a mesh that deforms, the attribute rest_position",
 }
 _SHUT = (SECOND, THIRD)  # panels that start closed
-
-# At normal incidence, of those of paint.COATINGS that are metals; linear RGB.
-_METALS = {
-    "aluminium": (0.87, 0.88, 0.89), "silver": (0.98, 0.98, 0.97), "gold": (1.0, 0.67, 0.26),
-    "copper": (0.90, 0.53, 0.42), "bronze": (0.94, 0.65, 0.38), "brass": (0.87, 0.72, 0.33),
-    "chromium": (0.42, 0.42, 0.43), "nickel": (0.59, 0.53, 0.45),
-}  # fmt: skip
 
 _EXTRAS = {
     "Frame": _Extra(
@@ -138,7 +133,7 @@ def _new_node(
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
     """Sets every socket of a paint that exists to the paint's values.
 
-    A material that is the paint and no more also takes its colour, for the Solid view.
+    A material that is the paint and no more also takes its look, for the Solid view.
 
     Raises PaintError, with nothing changed, where the node is of another version.
     """
@@ -151,18 +146,32 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
         )
     for owner in bpy.data.materials:
         if owner.node_tree == node.id_data and is_pure(owner):
-            owner.diffuse_color = (*_solid_color(paint), 1.0)
+            _show_in_solid_view(owner, paint)
 
 
-def _solid_color(paint: Paint) -> np.ndarray:
-    """Linear RGB: the flakes over the substrate, without sparkle, gloss or interference."""
-    covered = np.array([each.flake_coverage for each in paint.species])
-    colors = np.array([_METALS.get(each.coating, each.flake_color) for each in paint.species])
-    share = 1 - np.exp(-covered.sum())
-    flakes = covered @ colors / max(covered.sum(), 1e-30)
-    # On the average, flakes lie in the middle: there and back is once through the layer.
-    once = np.exp(-np.array(paint.binder_absorption_per_mm) * paint.layer_thickness_um * 1e-3)
-    return once * (share * flakes + (1 - share) * once * np.array(paint.substrate_color))
+def follow_in_solid_view() -> None:
+    """Materials that are the paint and no more look as their sockets say now.
+
+    One whose owner gave it another look keeps that.
+    """
+    for owner in bpy.data.materials:
+        if _SOLID in owner and tuple(owner[_SOLID]) == _look_of(owner) and is_pure(owner):
+            with contextlib.suppress(PaintError):  # of another version, or no paint that can be
+                _show_in_solid_view(owner, paint_of(owner))
+
+
+def _show_in_solid_view(owner: bpy.types.Material, paint: Paint) -> None:
+    """Changes nothing where it looks so already: Blender would draw all anew."""
+    look = solid.look(paint)
+    wanted = (*look.color, look.metallic, look.roughness)
+    if not (_SOLID in owner and np.allclose(wanted, _look_of(owner), atol=1e-4)):
+        owner.diffuse_color = (*look.color, 1.0)
+        owner.metallic, owner.roughness = look.metallic, look.roughness
+        owner[_SOLID] = _look_of(owner)
+
+
+def _look_of(owner: bpy.types.Material) -> tuple[float, ...]:
+    return (*owner.diffuse_color[:3], owner.metallic, owner.roughness)
 
 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:

@@ -13,24 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import bpy
-import numpy as np
 
-from . import shader
-from .parameters import COATINGS, PARAMETERS
+from . import coatings
+from .parameters import PARAMETERS
 
 RENDERED = "Rendered"  # the shader's output
 LABEL = "Preview without Open Shading Language"
-TABLE = "Metallic Paint Coatings"  # an image
-
-# Of the library of coatings (core/coating.h): so many angles in a row, and rows of a pearl.
-_NODES, _ROWS, _NM_PER_ROW = 13, 41, 5
-_FIRST_PEARL = COATINGS.index("tio2-on-mica")
-_FIRST_IRON = COATINGS.index("fe2o3-on-mica")
-_LAST_IRON = COATINGS.index("fe2o3-on-silica")  # of those that let light through
-_TRANSMITTANCES = (len(COATINGS) - _FIRST_IRON) * _ROWS  # so many rows above the reflectances
 
 _SPECIES = ("", "second.", "third.")
 _RAYLEIGH = 16.7551608  # core/layer.h
@@ -301,12 +291,13 @@ def _flakes(sockets: _Sockets, eta: Value) -> _Flakes:
 def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Value]]:
     """Reflectance and transmittance of each species' flakes: core/coating.h."""
     kind = sockets.of_species("coating")
-    is_pearl = kind.above(_FIRST_PEARL - 1)
-    is_iron = kind.above(_FIRST_IRON - 1) * (1.0 - kind.above(_LAST_IRON))
-    is_titania = is_pearl * (1.0 - kind.above(_FIRST_IRON - 1))
-    nm = sockets.of_species("coating_nm") * (1 / _NM_PER_ROW)
+    is_pearl = kind.above(coatings.FIRST_PEARL - 1)
+    is_iron = kind.above(coatings.FIRST_IRON - 1) * (1.0 - kind.above(coatings.LAST_IRON))
+    is_titania = is_pearl * (1.0 - kind.above(coatings.FIRST_IRON - 1))
+    nm = sockets.of_species("coating_nm") * (1 / coatings.NM_PER_ROW)
+    further = nm.most(0.0).least(coatings.ROWS - 1.0)
     row = kind - 1.0 + is_pearl * (
-        (_ROWS - 1.0) * (kind - float(_FIRST_PEARL)) + nm.most(0.0).least(_ROWS - 1.0)
+        (coatings.ROWS - 1.0) * (kind - float(coatings.FIRST_PEARL)) + further
     )  # fmt: skip
     node = (6.0 * cos_alpha).most(24.0 * cos_alpha - 12.0)
     schlick = (1.0 - cos_alpha).power(5.0)
@@ -320,7 +311,7 @@ def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Valu
         face = sockets[prefix + "flake_color"].least(1.0 - through)
         edge = sockets[prefix + "flake_edge_color"].least(1.0 - through)
         measured = _in_table(at_node, at_row)
-        passed = _in_table(at_node, at_row + float(_TRANSMITTANCES))
+        passed = _in_table(at_node, at_row + float(coatings.TRANSMITTANCES))
         yield (
             (face + (edge - face) * at_edge) * own + measured * (1.0 - own),
             through * own + passed * iron + (1.0 - measured) * titania,
@@ -329,7 +320,7 @@ def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Valu
 
 def _in_table(node: Value, row: Value) -> Value:
     """core/coating.h's library, which an image holds and interpolates."""
-    image = coating_table()
+    image = coatings.table()
     width, height = image.size
     place = vector((node + 0.5) * (1 / width), (row + 0.5) * (1 / height), 0.0)
     texture = node.socket.id_data.nodes.new("ShaderNodeTexImage")
@@ -466,33 +457,3 @@ def _fresnel(cosine: Value, eta: Value) -> Value:
     across = (cosine - g) / (cosine + g)
     along = (eta2 * cosine - g) / (eta2 * cosine + g)
     return (0.5 * (across * across + along * along)).cut()
-
-
-# --- the table of coatings -------------------------------------------------------------------
-
-
-def coating_table() -> bpy.types.Image:
-    """The library of coatings as a packed image: a pixel for each angle and row."""
-    for image in bpy.data.images:
-        if image.name.startswith(TABLE) and image.get("metallic_paint") and image.library is None:
-            return image
-    values = _library()
-    rows = len(values)
-    image = bpy.data.images.new(TABLE, _NODES, rows, float_buffer=True, is_data=True)
-    pixels = np.ones((rows, _NODES, 4), np.float32)
-    pixels[:, :, :3] = values
-    image.pixels.foreach_set(pixels.ravel())
-    image.pack()
-    image["metallic_paint"] = 1
-    return image
-
-
-def _library() -> np.ndarray:
-    text = _library_file().read_text(encoding="utf-8")
-    numbers = [float(each) for each in text.replace("\n", " ").split(",") if each.strip()]
-    return np.array(numbers, np.float32).reshape(-1, _NODES, 3)
-
-
-def _library_file() -> Path:
-    files = (folder.parent / "core" / "coating_library.inc" for folder in shader.FOLDERS)
-    return next(file for file in files if file.is_file())

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.app.handlers import persistent
 
+from ..paint import material
 from . import lights, needs
 
 REST_SECONDS = 0.3
@@ -32,6 +33,7 @@ class _State:
     rendering: bool = False
     changed: bool = False  # since the last look
     changed_at: float = 0.0  # s
+    repaint: bool = False  # a paint may have changed since the Solid view last followed
     trouble: str = ""  # why the last fit failed; empty after one that did not
 
 
@@ -73,6 +75,9 @@ def _fit_if_changed() -> None:
     _state.changed = False
     if lights.groups():
         _fit(needs.scene_to_fit(bpy.context.scene))
+        if _state.repaint and not _shows_renders():
+            _state.repaint = False
+            material.follow_in_solid_view()
 
 
 def _fit(scene: bpy.types.Scene) -> None:
@@ -88,10 +93,18 @@ def _is_rendering() -> bool:
     return _state.rendering if bpy.app.background else bpy.app.is_job_running("RENDER")
 
 
+def _shows_renders() -> bool:
+    """Whether a view is Rendered: there Cycles would compile the paint anew for its other look."""
+    areas = (area for window in bpy.context.window_manager.windows for area in window.screen.areas)
+    views = (area.spaces.active for area in areas if area.type == "VIEW_3D")
+    return any(view.shading.type == "RENDERED" for view in views)
+
+
 @persistent
 def _changed(*_: object) -> None:
     if needs.is_fitting():
         return
+    _state.repaint = True
     _state.changed, _state.changed_at = True, time.monotonic()
     if bpy.app.background:
         _fit_if_changed()
