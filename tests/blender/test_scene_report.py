@@ -431,3 +431,102 @@ def test_the_panel_shows_the_report_after_the_button(registered: None) -> None:
     scene.cycles.sample_clamp_direct = 0.25
     assert bpy.ops.scene.metallic_paint_report() == {"FINISHED"}
     assert any("Clamp Direct" in text for text in drawn(panel).texts)
+
+
+# --- what reaches the paint --------------------------------------------------------------------
+
+
+def test_a_material_override_of_the_view_layer_is_named() -> None:
+    scene = build()
+    scene.view_layers[0].material_override = bpy.data.materials.new("Clay")
+    assert "shows everything in Clay: its Material Override hides all paints." in bad(scene)
+
+
+def test_a_lamp_that_gives_no_light_is_named() -> None:
+    scene = build()
+    scene.objects["Sun"].data.energy = 0
+    assert "Sun gives no light: its Power or Strength is 0." in bad(scene)
+    scene.objects["Sun"].data.energy = 3
+    scene.objects["Sun"].data.color = (0, 0, 0)
+    assert "Sun gives no light: its Color is black." in bad(scene)
+
+
+def add_roof(location: tuple[float, float, float] = (0, 0, 0.1)) -> bpy.types.Object:
+    """Two metres wide, above the ball: out of the camera's sight."""
+    bpy.ops.mesh.primitive_plane_add(size=2, location=location)
+    bpy.context.object.name = "Roof"
+    return bpy.context.object
+
+
+def test_a_roof_before_the_sun_is_named() -> None:
+    scene = build()
+    roof = add_roof()
+    shadow = "Roof keeps Sun from what the camera sees of Ball: in its shadow nothing sparkles."
+    assert shadow in bad(scene)
+    roof.visible_shadow = False
+    assert bad(scene) == ""
+    roof.visible_shadow = True
+    roof.location.z = -0.1
+    assert bad(scene) == ""
+
+
+def test_a_roof_that_lets_light_pass_is_not() -> None:
+    scene = build()
+    roof = add_roof()
+    clear = bpy.data.materials.new("Clear")
+    if clear.node_tree is None:
+        clear.use_nodes = True
+    clear.node_tree.nodes.new("ShaderNodeBsdfPrincipled").inputs["Alpha"].default_value = 0.5
+    roof.data.materials.append(clear)
+    assert bad(scene) == ""
+
+
+def test_a_sun_without_shadows_passes_a_roof() -> None:
+    scene = build()
+    add_roof()
+    scene.objects["Sun"].data.use_shadow = False
+    assert bad(scene) == ""
+
+
+def test_a_roof_over_a_part_leaves_the_rest() -> None:
+    scene = build()
+    add_roof((-1.01, 0, 0.1))
+    assert bad(scene) == ""
+
+
+def test_a_lamp_linked_away_from_the_paint_is_named() -> None:
+    scene = build()
+    sun, ball = scene.objects["Sun"], scene.objects["Ball"]
+    others = bpy.data.collections.new("Lit by the sun")
+    others.objects.link(bpy.data.objects.new("Other", ball.data))
+    sun.light_linking.receiver_collection = others
+    assert "Light linking keeps Sun from Ball" in bad(scene)
+    others.objects.link(ball)
+    assert bad(scene) == ""
+    for entry in others.collection_objects:
+        entry.light_linking.link_state = "EXCLUDE"
+    assert "Light linking keeps Sun from Ball" in bad(scene)
+    others.objects.unlink(ball)
+    assert bad(scene) == ""
+
+
+def test_what_is_linked_away_from_a_shadow_is_no_roof() -> None:
+    scene = build()
+    roof = add_roof()
+    blockers = bpy.data.collections.new("Blockers")
+    blockers.objects.link(scene.objects["Ball"])
+    scene.objects["Sun"].light_linking.blocker_collection = blockers
+    assert bad(scene) == ""
+    blockers.objects.link(roof)
+    assert "Roof keeps Sun" in bad(scene)
+
+
+def test_a_spot_that_shines_past_is_named() -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    spot = add_lamp("SPOT", "Spot", energy=5, location=(0, -0.2, 0.3))
+    spot.data.spot_size = math.radians(30)
+    assert "Spot shines past what the camera sees of Ball: its cone ends." in bad(scene)
+    spot.rotation_euler = (math.atan2(0.2, 0.3), 0, 0)
+    bpy.context.view_layer.update()
+    assert "Spot shines past" not in bad(scene)

@@ -16,7 +16,7 @@ import bpy
 from .. import denoise
 from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, material
-from . import lights, needs, rest_position
+from . import lights, needs, reach, rest_position
 from .expected import Expected, expect
 from .sight import Camera, Effort, SightError, effort_for, look
 
@@ -46,7 +46,9 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         )
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
+    lines += [(WARNING, text) for text in reach.dark(fitted.lights.slots)]
     layers = lights.used_layers(scene)
+    lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
     shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
     if not painted:
@@ -245,7 +247,11 @@ def _about(
     if seen is None:
         return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0
     expected = expect(material.paint_of(node), seen, lamps)
-    return [*lines, *_judge(label, node, expected)], expected.brightness or 0.0
+    lines += _judge(label, node, expected)
+    if _sparkles(node):
+        missing = reach.lacking(scene, surface.layer, thing, seen, lamps)
+        lines += [(WARNING, text) for text in missing]
+    return lines, expected.brightness or 0.0
 
 
 def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> Iterator[Line]:

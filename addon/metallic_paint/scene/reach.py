@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which of the lights that have slots reach a painted object: what takes their sparkles away."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from . import sky
+from .sight import Seen
+
+_RAYS = 60  # to each light, from places spread over what the camera sees
+_THROUGH = 16  # surfaces on a ray that cast no shadow
+_HIDDEN = 0.99  # of the places: so little sparkles that one takes it for none
+_CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
+
+
+def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
+    """Of the lights that give none."""
+    for lamp in lamps:
+        data = lamp.data
+        if data.energy <= 0:
+            yield f"{lamp.name} gives no light: its Power or Strength is {data.energy:g}."
+        elif max(data.color) <= 0:
+            yield f"{lamp.name} gives no light: its Color is black."
+
+
+def overridden(layer: bpy.types.ViewLayer) -> str | None:
+    """Of a view layer that shows another material than the paint."""
+    if layer.material_override is None:
+        return None
+    return (
+        f"View layer {layer.name} shows everything in {layer.material_override.name}: its Material "
+        "Override hides all paints."
+    )
+
+
+def lacking(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    thing: bpy.types.Object,
+    seen: Seen,
+    lamps: tuple[bpy.types.Object, ...],
+) -> Iterator[str]:
+    """Sentences about the lights that do not reach what the camera sees of a painted object."""
+    places = np.linspace(0, len(seen.position) - 1, min(_RAYS, len(seen.position))).astype(int)
+    for light in _lights(scene, lamps):
+        if light.lamp is not None and not _is_linked(light.lamp, thing):
+            yield (
+                f"Light linking keeps {light.name} from {thing.name}: add it to the light's "
+                "collection to see its sparkles."
+            )
+            continue
+        facing, outside = 0, 0
+        blockers: Counter[bpy.types.Object] = Counter()
+        for i in places:
+            position, normal = Vector(seen.position[i]), Vector(seen.normal[i])
+            towards, distance = light.way(position)
+            if towards.dot(normal) <= 0:
+                continue
+            facing += 1
+            if light.misses(towards):
+                outside += 1
+                continue
+            blocker = _first_shadow(scene, layer, light, position, towards, distance)
+            if blocker is not None:
+                blockers[blocker] += 1
+        if facing == 0:
+            continue  # it lights the far side
+        if outside + blockers.total() < _HIDDEN * facing:
+            continue
+        if outside > blockers.total():
+            yield f"{light.name} shines past what the camera sees of {thing.name}: its cone ends."
+        else:
+            [(blocker, _)] = blockers.most_common(1)
+            yield (
+                f"{blocker.name} keeps {light.name} from what the camera sees of {thing.name}: "
+                "in its shadow nothing sparkles."
+            )
+
+
+@dataclass(frozen=True)
+class _Light:
+    name: str
+    lamp: bpy.types.Object | None  # None for a world's sun
+    direction: Vector | None  # towards one that is far away
+    place: Vector
+    axis: Vector  # of a spot, away from it
+    cone: float  # its half-angle
+
+    def way(self, position: Vector) -> tuple[Vector, float]:
+        """Unit vector towards it, and how far it is."""
+        if self.direction is not None:
+            return self.direction, 1e9
+        off = self.place - position
+        return off.normalized(), off.length
+
+    def misses(self, towards: Vector) -> bool:
+        return -towards.dot(self.axis) < math.cos(self.cone)
+
+
+def _lights(scene: bpy.types.Scene, lamps: tuple[bpy.types.Object, ...]) -> Iterator[_Light]:
+    for lamp in lamps:
+        matrix = lamp.matrix_world
+        axis = -matrix.col[2].xyz.normalized()
+        far = -axis if lamp.data.type == "SUN" else None
+        cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.pi
+        yield _Light(lamp.name, lamp, far, matrix.translation, axis, cone)
+    if sun := sky.find(scene):
+        yield _Light(sun.name, None, Vector(sun.direction), Vector(), Vector((0, 0, 1)), math.pi)
+
+
+def _first_shadow(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    light: _Light,
+    origin: Vector,
+    towards: Vector,
+    distance: float,
+) -> bpy.types.Object | None:
+    """The first object on the way to a light that keeps it off."""
+    lamp = light.lamp
+    if lamp is not None and not lamp.data.use_shadow:
+        return None
+    for _ in range(_THROUGH):
+        step = 1e-5 * max(origin.length, 1)
+        origin = origin + step * towards
+        distance -= step
+        if distance <= 0:
+            return None
+        hit, place, _, polygon, found, _ = scene.ray_cast(
+            layer.depsgraph, origin, towards, distance=distance
+        )
+        if not hit:
+            return None
+        thing = found.original
+        if (
+            not thing.hide_render
+            and thing.visible_shadow
+            and (lamp is None or _blocks(lamp, thing))
+            and not _lets_light_pass(found, polygon)
+        ):
+            return thing
+        distance -= (place - origin).length
+        origin = place
+    return None
+
+
+def _lets_light_pass(thing: bpy.types.Object, polygon: int) -> bool:
+    """Whether the material there may: what its nodes make of it is not known."""
+    slots = thing.material_slots
+    if not slots or not isinstance(thing.data, bpy.types.Mesh):
+        return False
+    polygons = thing.data.polygons
+    index = polygons[polygon].material_index if 0 <= polygon < len(polygons) else 0
+    found = slots[min(index, len(slots) - 1)].material
+    if found is None or found.node_tree is None:
+        return False
+    for node in found.node_tree.nodes:
+        if node.type in _CLEAR:
+            return True
+        if node.type == "BSDF_PRINCIPLED":
+            alpha = node.inputs["Alpha"]
+            if alpha.is_linked or alpha.default_value < 1:
+                return True
+    return False
+
+
+# --- light linking -----------------------------------------------------------------------------
+
+
+def _is_linked(lamp: bpy.types.Object, thing: bpy.types.Object) -> bool:
+    return _holds(lamp.light_linking.receiver_collection, thing)
+
+
+def _blocks(lamp: bpy.types.Object, thing: bpy.types.Object) -> bool:
+    return _holds(lamp.light_linking.blocker_collection, thing)
+
+
+def _holds(collection: bpy.types.Collection | None, thing: bpy.types.Object) -> bool:
+    """Whether a collection of a light's linking names an object.
+
+    The last entry that has it decides; where all entries exclude, what none has is in.
+    """
+    if collection is None:
+        return True
+    entries = [
+        (child.light_linking.link_state, thing.name in held.all_objects)
+        for child, held in zip(collection.collection_children, collection.children, strict=True)
+    ] + [
+        (entry.light_linking.link_state, held == thing)
+        for entry, held in zip(collection.collection_objects, collection.objects, strict=True)
+    ]
+    found = [state for state, holds in entries if holds]
+    if found:
+        return found[-1] == "INCLUDE"
+    return all(state == "EXCLUDE" for state, _ in entries)
