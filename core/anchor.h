@@ -85,13 +85,11 @@ struct Octave {
 template <class T>
 Octave<T> octave_of(T size) {
   Octave<T> octave;
-  while (octave.side < size && octave.level < 60) {
+  octave.level = clamp(std::ilogb(size), -60, 60);
+  octave.side = std::ldexp(T(1), octave.level);
+  if (octave.side < size && octave.level < 60) {
     octave.level = octave.level + 1;
     octave.side = octave.side * 2;
-  }
-  while (octave.side * T(0.5) >= size && octave.level > -60) {
-    octave.level = octave.level - 1;
-    octave.side = octave.side * T(0.5);
   }
   return octave;
 }

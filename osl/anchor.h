@@ -42,15 +42,11 @@ struct Octave {
 Octave octave_of(float size)
 {
   Octave octave;
-  octave.level = 0;
-  octave.side = 1.0;
-  while (octave.side < size && octave.level < 60) {
+  octave.level = (int)clamp(logb(size), -60.0, 60.0);
+  octave.side = exp2((float)octave.level);
+  if (octave.side < size && octave.level < 60) {
     octave.level = octave.level + 1;
     octave.side = octave.side * 2.0;
-  }
-  while (octave.side * 0.5 >= size && octave.level > -60) {
-    octave.level = octave.level - 1;
-    octave.side = octave.side * 0.5;
   }
   return octave;
 }
