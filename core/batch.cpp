@@ -8,9 +8,10 @@
 namespace metallic_paint {
 
 // expect_lanes.cpp, compiled for each of these processors.
-#define METALLIC_PAINT_LANES_OF(processor)                                          \
-  void expect_in_lanes_##processor(const Paint&, const std::vector<Light<double>>&, \
-                                   const PixelBatch&, std::size_t, std::size_t, ExpectedPixels&)
+#define METALLIC_PAINT_LANES_OF(processor)                                                         \
+  void expect_in_lanes_##processor(const Paint&, const std::vector<Light<double>>&,                \
+                                   const StreamKeys&, const PixelBatch&, std::size_t, std::size_t, \
+                                   ExpectedLights&)
 #ifdef METALLIC_PAINT_LANES
 METALLIC_PAINT_LANES_OF(plain);
 #ifdef METALLIC_PAINT_WIDE_LANES
@@ -39,12 +40,10 @@ const std::vector<ExpectInLanes>& expect_in_lanes() {
 
 namespace {
 
-using Keys = std::array<std::array<HashWords, kSpecies>, kLightSlots>;
-
 // One by one come the draws: each has as much to do as there are sparkles.
-class Draws final : public ExpectedPixels {
+class Draws final : public ExpectedLights {
  public:
-  Draws(const Layer<float>& layer, const Keys& keys, std::size_t lights, std::size_t species,
+  Draws(const Layer<float>& layer, const StreamKeys& keys, std::size_t lights, std::size_t species,
         const PixelBatch& batch, const PixelResults& results)
       : layer_(layer),
         keys_(keys),
@@ -53,22 +52,26 @@ class Draws final : public ExpectedPixels {
         batch_(batch),
         results_(results) {}
 
-  void take(std::size_t i, ExpectedPixel& pixel) override {
-    const auto drawn = [&](std::size_t light) -> const PixelSparkles<float>& {
-      PixelSparkles<float>& all = pixel.sparkles[light];
+  void take(std::size_t i, std::size_t light, int leader, ExpectedLight* expected) override {
+    PixelSparkles<float>* all = nullptr;
+    if (expected != nullptr) {
+      all = &expected->sparkles;
+      all->count = {};
+      all->radiance = {};
       for (std::size_t at = 0; at < static_cast<std::size_t>(layer_.species); ++at) {
-        all.draw(at, draw_sparkles(all.expected[at], layer_.flakes[at].area_spread,
-                                   keys_[light][at], batch_.pixel[2 * i], batch_.pixel[2 * i + 1]));
+        if (expected->dark[at]) continue;
+        all->draw(at,
+                  draw_sparkles(all->expected[at], layer_.flakes[at].area_spread, keys_[light][at],
+                                batch_.pixel[2 * i], batch_.pixel[2 * i + 1]));
       }
-      all.bound_by_mirror();
-      return all;
-    };
-    store_pixel(results_, i, lights_, species_, pixel.leader, drawn);
+      all->bound_by_mirror();
+    }
+    store_light(results_, i, lights_, species_, light, leader, all);
   }
 
  private:
   const Layer<float>& layer_;
-  const Keys& keys_;
+  const StreamKeys& keys_;
   std::size_t lights_, species_;
   const PixelBatch& batch_;
   const PixelResults& results_;
@@ -80,7 +83,7 @@ void evaluate_in_lanes(ExpectInLanes expect, const Paint& paint, const Layer<flo
                        const std::vector<Light<double>>& lights, std::size_t species,
                        const PixelBatch& batch, const PixelResults& results,
                        const std::stop_token& stop) {
-  Keys keys{};
+  StreamKeys keys{};
   for (std::size_t light = 0; light < lights.size(); ++light) {
     for (int i = 0; i < layer.species; ++i) {
       keys[light][static_cast<std::size_t>(i)] =
@@ -91,7 +94,7 @@ void evaluate_in_lanes(ExpectInLanes expect, const Paint& paint, const Layer<flo
   const auto evaluate_block = [&](std::size_t block) {
     Draws draws(layer, keys, lights.size(), species, batch, results);
     const std::size_t begin = block * kBlock;
-    expect(paint, lights, batch, begin, std::min(begin + kBlock, batch.size), draws);
+    expect(paint, lights, keys, batch, begin, std::min(begin + kBlock, batch.size), draws);
   };
   parallel_for((batch.size + kBlock - 1) / kBlock, evaluate_block, 1, stop);
 }

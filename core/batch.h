@@ -111,61 +111,75 @@ struct PixelResults {
 // Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
-// Stores the results of pixel i, whose lights have these leaders; sparkles_of(light) are those of
-// one that leads.
-template <class Sparkles>
-void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
-                 std::size_t species, const std::array<int, kLightSlots>& leaders,
-                 const Sparkles& sparkles_of) {
-  const auto store = [](double* array, std::size_t at, const auto& value) {
+// Stores the results of a light in pixel i; `all` are its sparkles if it leads.
+template <class T>
+void store_light(const PixelResults& results, std::size_t i, std::size_t lights,
+                 std::size_t species, std::size_t light, int leader, const PixelSparkles<T>* all) {
+  const auto store = [](double* array, std::size_t at, const Rgb<T>& value) {
     array[3 * at] = static_cast<double>(value.x);
     array[3 * at + 1] = static_cast<double>(value.y);
     array[3 * at + 2] = static_cast<double>(value.z);
   };
+  const std::size_t at = i * lights + light;
+  results.leader[at] = leader;
+  if (all != nullptr) {
+    results.slots[at] = all->expected[species].slots;
+    results.mean_count[at] = static_cast<double>(all->expected[species].mean_count);
+    results.count[at] = static_cast<double>(all->count[species]);
+    store(results.radiance, at, all->radiance);
+    store(results.mean_radiance, at, all->mean_radiance);
+    store(results.variance, at, all->variance);
+    return;
+  }
+  results.slots[at] = 0;
+  results.count[at] = results.mean_count[at] = 0;
+  // The leader comes first: its results are there to copy.
+  const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
+  for (std::size_t c = 0; c < 3; ++c) {
+    results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
+    results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
+    results.variance[3 * at + c] = leader < 0 ? 0 : results.variance[3 * from + c];
+  }
+}
+
+// Those of pixel i, whose lights have these leaders; sparkles_of(light) are those of one that
+// leads.
+template <class Sparkles>
+void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
+                 std::size_t species, const std::array<int, kLightSlots>& leaders,
+                 const Sparkles& sparkles_of) {
   for (std::size_t light = 0; light < lights; ++light) {
-    const std::size_t at = i * lights + light;
-    const int leader = leaders[light];
-    results.leader[at] = leader;
-    if (leader == static_cast<int>(light)) {
+    if (leaders[light] == static_cast<int>(light)) {
       const auto& all = sparkles_of(light);
-      results.slots[at] = all.expected[species].slots;
-      results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
-      results.count[at] = static_cast<double>(all.count[species]);
-      store(results.radiance, at, all.radiance);
-      store(results.mean_radiance, at, all.mean_radiance);
-      store(results.variance, at, all.variance);
-      continue;
-    }
-    results.slots[at] = 0;
-    results.count[at] = results.mean_count[at] = 0;
-    // The leader comes first: its results are there to copy.
-    const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
-    for (std::size_t c = 0; c < 3; ++c) {
-      results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
-      results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
-      results.variance[3 * at + c] = leader < 0 ? 0 : results.variance[3 * from + c];
+      store_light(results, i, lights, species, light, leaders[light], &all);
+    } else {
+      store_light<float>(results, i, lights, species, light, leaders[light], nullptr);
     }
   }
 }
 
-// All of pixels in float but the draws, whose sparkles belong to the pixel: many side by side
-// (expect_lanes.cpp), bit for bit as one by one. For each light that leads; radiance and count are
-// to be drawn.
-struct ExpectedPixel {
-  std::array<int, kLightSlots> leader;
-  std::array<PixelSparkles<float>, kLightSlots> sparkles;
+using StreamKeys = std::array<std::array<HashWords, kSpecies>, kLightSlots>;
+
+// A light in one of the pixels in float whose sparkles belong to the pixel: many are computed side
+// by side (expect_lanes.cpp), bit for bit as one by one, but for the draws.
+struct ExpectedLight {
+  PixelSparkles<float> sparkles;  // radiance and count are to be drawn
+  // Species of which no sparkle is drawn. Of these only mean_count, slots and ceiling are told.
+  std::array<bool, kSpecies> dark;
 };
-class ExpectedPixels {
+class ExpectedLights {
  public:
-  virtual void take(std::size_t i, ExpectedPixel& pixel) = 0;
+  // The lights of a pixel come in their order. One that does not lead has no `expected`. What is
+  // told of a light a second time takes the place of the first.
+  virtual void take(std::size_t i, std::size_t light, int leader, ExpectedLight* expected) = 0;
 
  protected:
-  ~ExpectedPixels() = default;
+  ~ExpectedLights() = default;
 };
 // Gives the pixels from `begin` up to `end`, in any order, to `to`.
 using ExpectInLanes = void (*)(const Paint& paint, const std::vector<Light<double>>& lights,
-                               const PixelBatch& batch, std::size_t begin, std::size_t end,
-                               ExpectedPixels& to);
+                               const StreamKeys& keys, const PixelBatch& batch, std::size_t begin,
+                               std::size_t end, ExpectedLights& to);
 // Those that this processor can run, the one with the most lanes first; none where the standard
 // library knows no lanes.
 const std::vector<ExpectInLanes>& expect_in_lanes();

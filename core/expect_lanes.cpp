@@ -24,20 +24,14 @@ constexpr std::size_t kCount = Many::kCount;
 // Of each lane the element `at` in its row, which is `row` after that of the lane before, of so
 // many rows.
 Many gather(const Column& column, std::size_t at, std::size_t row, std::size_t rows) {
-  alignas(std::experimental::memory_alignment_v<Simd>) float lanes[kCount] = {};
-  column.as_they_are([&](const auto* first) {
+  return column.as_they_are([&](const auto* first) {
     const auto* number = first + at;
     if (rows == kCount) {  // in numbers that the compiler knows
-      for (std::size_t lane = 0; lane < kCount; ++lane) {
-        lanes[lane] = static_cast<float>(number[lane * row]);
-      }
-    } else {
-      for (std::size_t lane = 0; lane < rows; ++lane) {
-        lanes[lane] = static_cast<float>(number[lane * row]);
-      }
+      return Many(Simd([&](auto lane) { return static_cast<float>(number[lane * row]); }));
     }
+    return Many(
+        Simd([&](auto lane) { return lane < rows ? static_cast<float>(number[lane * row]) : 0; }));
   });
-  return Many(Simd(lanes, std::experimental::vector_aligned));
 }
 
 Vec3<Many> gather_vectors(const Column& column, std::size_t at, std::size_t row, std::size_t rows) {
@@ -64,19 +58,53 @@ ExpectedSparkles<float> of_lane(const ExpectedSparkles<Many>& e, std::size_t lan
           e.share[lane]};
 }
 
+// Words of a hash side by side.
+struct LaneWords {
+  Many::Words x, y, z, w;
+};
+
+// Where the draw of a count ends at its first comparison, with no sparkle: the deviate is not below
+// the probability of any (draw_sparkles, count_deviate). Where that is not known, no lane.
+Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
+                      const std::int32_t* pixel, std::size_t rows) {
+  const Many mean = expected.mean_count;
+  const auto word = [&](std::size_t at) {
+    return Many::Words([&](auto lane) {
+      return static_cast<std::uint32_t>(lane < rows ? pixel[2 * lane + at] : 0);
+    });
+  };
+  const auto dark = [&](Many chance) {
+    const LaneWords words =
+        pcg4d(LaneWords{word(0) ^ key.x, word(1) ^ key.y, Many::Words(key.z), Many::Words(key.w)});
+    const Many u = uniform_48<Many>(words.x, words.y);
+    return u.all() >= chance.all() && expected.contrast.all() == 1.0f;
+  };
+  const Many::Mask none = !(mean.all() > 0.0f);
+  if (expected.slots == 0) {
+    // Beyond, few pixels are dark.
+    if (!Many::in_all_followed(mean.all() < 1.0f)) return none;
+    return none || dark(mean * mean_transmittance(mean));
+  }
+  const Many p = mean / static_cast<Many>(expected.slots);
+  Many survival = 0;
+  for (int k = 0; k < expected.slots; ++k) survival = survival * (1 - p) + p;
+  return none || (p.all() <= 0.5f && dark(survival));
+}
+
 }  // namespace
 
 void METALLIC_PAINT_NAME(METALLIC_PAINT_LANES_FOR)(const Paint& paint,
                                                    const std::vector<Light<double>>& lights,
-                                                   const PixelBatch& batch, std::size_t begin,
-                                                   std::size_t end, ExpectedPixels& to) {
+                                                   const StreamKeys& keys, const PixelBatch& batch,
+                                                   std::size_t begin, std::size_t end,
+                                                   ExpectedLights& to) {
   Layer<Many> layer;
   std::vector<Light<Many>> slots;
   Many::in_lanes(kCount, [&] {
     layer = make_layer<Many>(paint);
     slots = slots_of<Many>(lights);
   });
-  std::array<ExpectedPixel, kCount> pixels;
+  std::array<ExpectedLight, kCount> pixels;
   for (std::size_t i = begin; i < end; i += kCount) {
     const std::size_t rows = std::min(kCount, end - i);
     const SurfacePoint<Many> point{gather_vectors(batch.position, i, 1, rows),
@@ -88,28 +116,44 @@ void METALLIC_PAINT_NAME(METALLIC_PAINT_LANES_FOR)(const Paint& paint,
     // What is stored of a lane that is left behind later, its own pass overwrites.
     Many::in_lanes(rows, [&] {
       const SlotView<Many> view = view_slots(slots, point);
-      Many::each_followed([&](std::size_t lane) { pixels[lane].leader = view.leader; });
       for (std::size_t light = 0; light < slots.size(); ++light) {
-        if (view.leader[light] != static_cast<int>(light)) continue;
+        const int leader = view.leader[light];
+        if (leader != static_cast<int>(light)) {
+          Many::each_followed([&](std::size_t lane) { to.take(i + lane, light, leader, nullptr); });
+          continue;
+        }
         Rgb<Many> slant{};
         if (batch.slant.given()) {
           slant = gather_vectors(batch.slant, i * slots.size() + light, slots.size(), rows);
         }
         const Passage<Many> way =
             pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
+        Rgb<Many> mean{}, variance{};
         for (std::size_t at = 0; at < static_cast<std::size_t>(layer.species); ++at) {
           const ExpectedSparkles<Many> expected =
               expect_sparkles(layer, layer.flakes[at], point.footprint, way);
-          const Rgb<Many> mean = mean_radiance(expected), variance = radiance_variance(expected);
+          mean = mean + mean_radiance(expected);
+          variance = variance + radiance_variance(expected);
+          const Many::Mask dark = dark_lanes(expected, keys[light][at], batch.pixel + 2 * i, rows);
           Many::each_followed([&](std::size_t lane) {
-            PixelSparkles<float>& one = pixels[lane].sparkles[light];
-            if (at == 0) one.clear();
-            one.expect(at, of_lane(expected, lane), of_lane(mean, lane), of_lane(variance, lane));
+            ExpectedSparkles<float>& one = pixels[lane].sparkles.expected[at];
+            pixels[lane].dark[at] = dark[lane];
+            if (dark[lane]) {
+              one.mean_count = expected.mean_count[lane];
+              one.slots = expected.slots;
+              one.ceiling = expected.ceiling[lane];
+            } else {
+              one = of_lane(expected, lane);
+            }
           });
         }
+        Many::each_followed([&](std::size_t lane) {
+          pixels[lane].sparkles.mean_radiance = of_lane(mean, lane);
+          pixels[lane].sparkles.variance = of_lane(variance, lane);
+          to.take(i + lane, light, leader, &pixels[lane]);
+        });
       }
     });
-    for (std::size_t lane = 0; lane < rows; ++lane) to.take(i + lane, pixels[lane]);
   }
 }
 

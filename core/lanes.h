@@ -12,6 +12,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <experimental/simd>
 #include <numbers>
 #include <type_traits>
@@ -27,6 +28,7 @@ class Lanes {
  public:
   using Mask = typename Simd::mask_type;
   using Ints = std::experimental::rebind_simd_t<int, Simd>;
+  using Words = std::experimental::rebind_simd_t<std::uint32_t, Simd>;
   static constexpr std::size_t kCount = Simd::size();
 
   Lanes() : all_(0.0f) {}
@@ -34,6 +36,7 @@ class Lanes {
     requires std::is_arithmetic_v<Number>
   Lanes(Number same) : all_(static_cast<float>(same)) {}
   explicit Lanes(Simd all) : all_(all) {}
+  explicit Lanes(Words all) : all_(std::experimental::static_simd_cast<Simd>(all)) {}
 
   // Where the lanes lie in memory: Simd's own operator takes them through a copy.
   float operator[](std::size_t lane) const {
@@ -103,10 +106,13 @@ class Lanes {
   // At that end, calls work(lane) for those that are.
   template <class Work>
   static void each_followed(const Work& work) {
+    const Mask followed = followed_;
     for (std::size_t lane = 0; lane < kCount; ++lane) {
-      if (followed_[lane]) work(lane);
+      if (followed[lane]) work(lane);
     }
   }
+  // Whether the condition holds in all that are followed: none is left behind.
+  static bool in_all_followed(Mask condition) { return none_of(followed_ && !condition); }
 
  private:
   static std::size_t first() { return static_cast<std::size_t>(find_first_set(followed_)); }

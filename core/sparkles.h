@@ -60,10 +60,6 @@ struct PixelSparkles {
     mean_radiance = mean_radiance + its_mean;
     variance = variance + its_variance;
   }
-  void clear() {
-    count = {};
-    radiance = mean_radiance = variance = {};
-  }
   void draw(std::size_t species, const Sparkles<T>& drawn) {
     count[species] = drawn.count;
     radiance = radiance + drawn.radiance;
