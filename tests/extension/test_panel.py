@@ -22,18 +22,32 @@ def cube() -> bpy.types.Object:
     return bpy.context.object
 
 
+def panels() -> list[type]:
+    """Those that are seen: at the top of the tab for a paint, at its foot for a new one."""
+    both = (bpy.types.MATERIAL_PT_metallic_paint, bpy.types.MATERIAL_PT_metallic_paint_new)
+    return [each for each in both if each.poll(bpy.context)]
+
+
 def panel() -> Layout:
-    assert bpy.types.MATERIAL_PT_metallic_paint.poll(bpy.context)
-    return drawn(bpy.types.MATERIAL_PT_metallic_paint)
+    [seen] = panels()
+    return drawn(seen)
 
 
 def test_panel_is_for_objects_with_a_surface(cube: bpy.types.Object) -> None:
-    poll = bpy.types.MATERIAL_PT_metallic_paint.poll
-    assert poll(bpy.context)
+    assert panels() == [bpy.types.MATERIAL_PT_metallic_paint_new]
     bpy.ops.object.camera_add()
-    assert not poll(bpy.context)
+    assert not panels()
     bpy.ops.object.delete()
-    assert not poll(bpy.context)
+    assert not panels()
+
+
+def test_panel_of_a_paint_stands_above_those_of_blender(cube: bpy.types.Object) -> None:
+    bpy.ops.material.metallic_paint_new()
+    [seen] = panels()
+    assert seen == bpy.types.MATERIAL_PT_metallic_paint
+    assert seen.bl_options == {"HIDE_HEADER"}  # those are above all others
+    cube.active_material = bpy.data.materials.new("Plain")
+    assert panels() == [bpy.types.MATERIAL_PT_metallic_paint_new]
 
 
 def test_panel_offers_a_new_paint_until_there_is_one(cube: bpy.types.Object) -> None:

@@ -65,7 +65,9 @@ class _PaintPanel:
         else:
             if operators.paint_node(context) is None:
                 layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
-            layout.menu("MATERIAL_MT_metallic_paint_presets", icon="PRESET")
+            layout.menu(
+                "MATERIAL_MT_metallic_paint_presets", text="Metallic Paint Presets", icon="PRESET"
+            )
             if (node := operators.paint_node(context)) is not None:
                 amount = knobs.draw_first(_values(layout), node)
                 draw_lines(layout, amount)
@@ -115,16 +117,47 @@ def _shows_in(screen: bpy.types.Screen | None) -> bool:
     return not shadings or "RENDERED" in shadings
 
 
-class MATERIAL_PT_metallic_paint(_PaintPanel, bpy.types.Panel):
+class _MaterialPanel(_PaintPanel, bpy.types.Panel):
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "material"
+
+
+def _is_painted(of: bpy.types.Material | None) -> bool:
+    return of is not None and (material.has_paint(of) or material.is_within_group(of))
+
+
+class MATERIAL_PT_metallic_paint(_MaterialPanel):
+    """Of a material that has a paint.
+
+    Blender sorts panels without a header above all others, which no order can do: so this stands
+    right below the material's name.
+    """
+
+    bl_options = {"HIDE_HEADER"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """With every render engine: the warning is for the others."""
         thing = context.object
-        return thing is not None and thing.type in operators.PAINTABLE
+        return (
+            thing is not None
+            and thing.type in operators.PAINTABLE
+            and _is_painted(operators.active_material(context))
+        )
+
+
+class MATERIAL_PT_metallic_paint_new(_MaterialPanel):
+    """The same at the foot of the tab, where it is in nobody's way, while there is no paint."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        thing = context.object
+        return (
+            thing is not None
+            and thing.type in operators.PAINTABLE
+            and not _is_painted(operators.active_material(context))
+        )
 
 
 class SubPanel(bpy.types.Panel):
@@ -194,6 +227,7 @@ def _draw_add(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 
 _CLASSES = (
     MATERIAL_PT_metallic_paint,
+    MATERIAL_PT_metallic_paint_new,
     *_VALUES,
     MATERIAL_PT_metallic_paint_diagnostics,
     NODE_PT_metallic_paint,
