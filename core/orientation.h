@@ -132,6 +132,33 @@ T orientation_density(const OrientationDensity<D>& density, T sin2_half_beta) {
   return 1 / (d * d * density.norm);
 }
 
+// d ln P/d cos(beta): how fast the flakes grow fewer, (-dP/d beta)/(P sin(beta)).
+template <class T>
+T orientation_slope(const OrientationDensity<T>& density, T sin2_half_beta) {
+  const T square = density.tilt * density.tilt;
+  const T cos_beta = 1 - 2 * sin2_half_beta;
+  const T sin2 = 4 * sin2_half_beta * (1 - sin2_half_beta);
+  if (density.kind == Orientation::ggx) {
+    return 4 * (1 - square) * cos_beta / (square + (1 - square) * sin2);
+  }
+  if (density.kind == Orientation::beckmann) {
+    const T cosine = max(cos_beta, T(1e-3));
+    return 2 / (cosine * cosine * cosine * square) - 4 / cosine;
+  }
+  // beta/sin(beta), 1 at a level flake.
+  return sqrt(squared_angle(sin2_half_beta) / max(sin2, T(1e-30))) / square;
+}
+
+// One over that at a level flake, but for a small tilt's square: the variance of the tilt in a
+// plane where most flakes are.
+template <class T>
+T core_variance(const OrientationDensity<T>& density) {
+  const T square = density.tilt * density.tilt;
+  if (density.kind == Orientation::ggx) return square / 4;
+  if (density.kind == Orientation::beckmann) return square / 2;
+  return square;
+}
+
 // Beyond this angle no flake is left but for rounding: exp(-12^2/2) (float: exp(-5.5^2/2)),
 // exp(-6.5^2); ggx has its tail.
 template <class T>

@@ -15,9 +15,8 @@
 #define NARROW_CONE 0.02
 #define WIDEST_CONE 0.5
 
-// Random flakes of a sample, spread over the deviates. Measured against one, under area lamps from 0.1 to 1.5 m: 1.1 to 2.4 times
-// less variance (mostly 1.6 and more) for a tenth more time.
-#define LOBE_FLAKES 4
+// Random flakes of a sample, spread over the deviates.
+#define LOBE_FLAKES 3
 
 float cone_half_angle(float average, float least, float most)
 {
@@ -55,28 +54,40 @@ closure color sparkle_cone(color radiance, vector view, vector direction, float 
   return weight * glossy_toon(normalize(view + direction), rho / M_PI_2, 0.0);
 }
 
-// What one random flake shows of all light but the listed, whose sparkles have cones of their own: a narrow cone, or a mirror
-// at the edge of a listed light, and within one only what has melted of it.
-closure color mirrored_cone(MirroredSample mirrored, vector view, SeenLight seen[8], int lights)
+// What one random flake shows of all light but the listed, whose sparkles have cones of their own: a wide cone, unless it
+// holds a listed light; else a narrow one about the flake's own direction, or a mirror at the edge of a listed light, and
+// within one only what has melted of it.
+closure color mirrored_cone(MirroredSample mirrored, LobeCone wide, vector view, SeenLight seen[8], int lights)
 {
   closure color none = 0;
   float rho = mirrored.spread;
   float left = 1.0;
+  int is_wide = wide.half_angle > rho;
   SeenLight towards;
   towards.direction = mirrored.direction;
+  SeenLight middle;
+  middle.direction = wide.direction;
   for (int i = 0; i < lights; ++i) {
     float share = sparkling_share(seen[i].breadth, seen[i].apart, mirrored.turned);
     if (share > 0.0) {
-      float off = angle_between(towards, seen[i]) - angular_reach(seen[i]) - CONE_MARGIN;
+      float reach = angular_reach(seen[i]) + CONE_MARGIN;
+      float off = angle_between(towards, seen[i]) - reach;
       // Where the light's cone is its own, that ends where this begins.
       if (off <= (seen[i].own_cone ? 0.0 : -CONE_MARGIN))
         left = left * (1.0 - share);
       rho = min(rho, fabs(off));
+      if (angle_between(middle, seen[i]) - reach < wide.half_angle)
+        is_wide = 0;
     }
   }
   if (!(left > 0.0))
     return none;
-  vector half = normalize(view + mirrored.direction);
+  vector direction = mirrored.direction;
+  if (is_wide) {
+    direction = wide.direction;
+    rho = wide.half_angle;
+  }
+  vector half = normalize(view + direction);
   if (rho < CONE_MARGIN)
     return left * mirrored.weight * reflection(half);
   return left * mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);

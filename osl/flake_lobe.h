@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The flakes under light that is no sparkling one: random flakes for each sample, whose mirror directions are followed.
-// See core/flake_lobe.h for the weight and the cone.
+// See core/flake_lobe.h for the weight and the cones.
 #pragma once
 
 #include "close_up.h"
 #include "passage.h"
 
+#define WIDE_SHARE 0.3
+#define WIDEST_DEVIATION 0.4
+#define TO_HORIZON 0.2
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 
@@ -14,6 +17,10 @@ struct MirroredSample {
   vector direction;
   color weight;
   float spread;
+  float variance;
+  vector drift;
+  float along;
+  float across;
   float turned;  // 2 eta tilt of its species, which tells what of an area light sparkles
 };
 
@@ -29,6 +36,10 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   mirrored.direction = surface.n;
   mirrored.weight = color(0.0);
   mirrored.spread = 0.0;
+  mirrored.variance = 0.0;
+  mirrored.drift = vector(0.0);
+  mirrored.along = 1.0;
+  mirrored.across = 1.0;
   mirrored.turned = 1.0;
   vector n = surface.n;
   vector view = surface.view;
@@ -60,16 +71,15 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     return mirrored;
   vector m = first.m;
   float tilt_weight = 1.0;
+  float h = 0.0;
   if (first.close) {
     mirrored.spread = min(eta * sqrt(some.solid_angle / M_PI), WIDEST_LOBE);
   }
   else {
     SampledTilt tilt = sample_tilt(some.orientation, rest);
     tilt_weight = tilt.weight;
-    float turned = eta * some.orientation.tilt;
-    mirrored.spread = min(LOBE_SPREAD * turned, WIDEST_LOBE);
-    float widened = mirrored.spread / (4.0 * turned);
-    float h = tilt.sin2_half_beta * (1.0 - widened * widened);
+    mirrored.spread = min(LOBE_SPREAD * (eta * some.orientation.tilt), WIDEST_LOBE);
+    h = tilt.sin2_half_beta;
     float sin_beta = 2.0 * sqrt(h * (1.0 - h));
     float phi = M_2PI * uniform_azimuth;
     vector across = vector(0.0, 1.0, 0.0);
@@ -109,7 +119,52 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   color reflectance = coating_reflectance(some.coating, library, cos_alpha);
   if (first.close)
     mirrored.weight = shown_by(first, reflectance, slant) * (through * cos_view_in * (layer.coverage / some.coverage));
-  else
+  else {
     mirrored.weight = reflectance * (layer.coverage * mean_transmittance(slant)) * (through * tilt_weight * cos_alpha);
+    float turned = 2.0 * eta * cos_view_in;
+    float most = min(WIDEST_DEVIATION, TO_HORIZON * cos_view);
+    mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
+    float slope = orientation_slope(some.orientation, h);
+    vector pull = (n - m * (1.0 - 2.0 * h)) * (slope / (2.0 * facing));
+    vector gradient = (pull - l * (inner_product(pull, n) / along)) / eta +
+                      tangent * (1.0 / (eta * eta * along * along) - 1.0 / cos2_light);
+    mirrored.drift = (gradient - mirrored.direction * inner_product(gradient, mirrored.direction)) * mirrored.variance;
+    float along_turn = cos_light / (2.0 * eta * along);
+    float across_turn = 1.0 / (2.0 * eta * cos_alpha);
+    float bend = mirrored.variance * slope;
+    mirrored.along = sqrt(max(1.0 - bend * along_turn * along_turn, 0.0));
+    mirrored.across = sqrt(max(1.0 - bend * across_turn * across_turn, 0.0));
+  }
   return mirrored;
+}
+
+struct LobeCone {
+  vector direction;
+  float half_angle;
+};
+
+LobeCone wide_cone(MirroredSample mirrored, vector n, float u, float w, float e)
+{
+  LobeCone cone;
+  cone.direction = mirrored.direction;
+  cone.half_angle = 0.0;
+  vector sideways = cross(n, mirrored.direction);
+  float sine = sqrt(inner_product(sideways, sideways));
+  if (!(mirrored.variance > 0.0 && sine > 1e-6))
+    return cone;
+  vector across = sideways / sine;
+  vector along = cross(mirrored.direction, across);
+  float off = sqrt(-2.0 * mirrored.variance * logarithm(u));
+  float phi = M_2PI * w;
+  vector middle = mirrored.direction + mirrored.drift + along * (mirrored.along * off * cos(phi)) +
+                  across * (mirrored.across * off * sin(phi));
+  vector towards = middle / sqrt(inner_product(middle, middle));
+  vector chord = mirrored.direction - towards;
+  float square = inner_product(chord, chord) - 2.0 * mirrored.variance * logarithm(e);
+  float half = 0.5 * sqrt(square);
+  if (!(square < 2.0 && 2.0 * half * sqrt(1.0 - half * half) < inner_product(towards, n)))
+    return cone;
+  cone.direction = towards;
+  cone.half_angle = 2.0 * asin(half);
+  return cone;
 }

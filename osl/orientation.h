@@ -104,6 +104,33 @@ float orientation_density(OrientationDensity density, float sin2_half_beta)
   return found;
 }
 
+float orientation_slope(OrientationDensity density, float sin2_half_beta)
+{
+  float square = density.tilt * density.tilt;
+  float cos_beta = 1.0 - 2.0 * sin2_half_beta;
+  float sin2 = 4.0 * sin2_half_beta * (1.0 - sin2_half_beta);
+  float slope = 0.0;
+  if (density.kind == ORIENTATION_GGX)
+    slope = 4.0 * (1.0 - square) * cos_beta / (square + (1.0 - square) * sin2);
+  else if (density.kind == ORIENTATION_BECKMANN) {
+    float cosine = max(cos_beta, 1e-3);
+    slope = 2.0 / (cosine * cosine * cosine * square) - 4.0 / cosine;
+  }
+  else
+    slope = sqrt(squared_angle(sin2_half_beta) / max(sin2, 1e-30)) / square;
+  return slope;
+}
+
+float core_variance(OrientationDensity density)
+{
+  float square = density.tilt * density.tilt;
+  if (density.kind == ORIENTATION_GGX)
+    square = square / 4.0;
+  else if (density.kind == ORIENTATION_BECKMANN)
+    square = square / 2.0;
+  return square;
+}
+
 float orientation_reach(OrientationDensity density)
 {
   if (density.kind == ORIENTATION_GAUSSIAN)

@@ -300,6 +300,7 @@ SUN_ERROR, LAMP_ERROR = 0.002, 0.002
 MOST_SAMPLES = 144
 # Of the flakes' part under a lamp that has a size, as osl/flake_lobe.h states it.
 CONE_BIAS = 0.007
+WIDE_BIAS = 0.03  # at most, of a small lamp's light, as core/flake_lobe.h states it
 
 
 def mirrored(
@@ -448,4 +449,6 @@ def test_a_light_beyond_the_slots_lights_the_mean() -> None:
     sun = add_sun("Unlisted", np.array([0.0, -math.cos(1.22), math.sin(1.22)]))
     light = towards(sun)
     f = flake_brdf(paint, view, light[None])[0]
-    expect_equal(probe.image(verify.LOBE), f * light[2] * sun.data.energy, noise=0.01)
+    expected = f * light[2] * sun.data.energy
+    # Wide cones blur what is brighter near the view, where flakes hide one another less.
+    expect_equal(probe.image(verify.LOBE), expected, bias=WIDE_BIAS * expected, noise=0.01)

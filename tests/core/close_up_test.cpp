@@ -298,7 +298,7 @@ TEST(CloseUp, TheMeanOfTheLobeIsTheClosedForms) {
                                 lattice_across(own, scene.normal, random), 0.0, key_of(random));
       }
       const auto sample = sample_flake(layer, scene.normal, scene.view, random.uniform(),
-                                       random.uniform(), 0.0, firsts.data());
+                                       random.uniform(), firsts.data());
       found.add(channel(sample.weight, k % 3));
     }
     scene.light = scene.normal;

@@ -262,8 +262,8 @@ ParityScene random_scene(Random& random) {
 
 // How often the scenes came to what is rare.
 struct Visits {
-  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, grazed = 0,
-       close = 0, covered = 0, lit = 0, melting = 0, melted = 0;
+  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, wide = 0,
+       grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -470,13 +470,22 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const auto shader_sample = osl::sample_flake(shader_layer, shader_flakes, library, surface,
                                                shader_firsts, osl::inside_unit(u), w);
   const MirroredSample<float> sample =
-      sample_flake(layer, point.normal, point.view, inside_unit(u), w,
-                   static_cast<float>(kLobeSpread), firsts.data());
+      sample_flake(layer, point.normal, point.view, inside_unit(u), w, firsts.data());
   same("sample's weight", shader_sample.weight, sample.weight);
   same("sample's spread", shader_sample.spread, sample.spread);
   if (max_component(sample.weight) > 0) {
     ++visits.sampled;
     same("sample's direction", shader_sample.direction, sample.direction);
+    same("sample's variance", shader_sample.variance, sample.variance);
+    same("sample's drift", shader_sample.drift, sample.drift);
+    same("sample's deviations", osl::vector(shader_sample.along, shader_sample.across, 0),
+         {sample.along, sample.across, 0});
+    const float e = inside_unit(uniform_23<float>(words.z));
+    const LobeCone<float> wide = wide_cone(sample, point.normal, inside_unit(u), w, e);
+    const auto shader_wide = osl::wide_cone(shader_sample, surface.n, osl::inside_unit(u), w, e);
+    same("wide cone", shader_wide.direction, wide.direction);
+    same("wide cone's half-angle", shader_wide.half_angle, wide.half_angle);
+    if (wide.half_angle > 0) ++visits.wide;
   }
 }
 
@@ -502,7 +511,8 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   // No branch is left out because the scenes never go there.
   for (const long visited :
        {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
-        visits.grazed, visits.close, visits.covered, visits.lit, visits.melting, visits.melted}) {
+        visits.wide, visits.grazed, visits.close, visits.covered, visits.lit, visits.melting,
+        visits.melted}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }

@@ -90,7 +90,7 @@ random walk's, for paints whose mixture is mostly this lobe; and the error of th
 
 ## The flakes' lobe
 
-`tests/fits/lobe_spread.cpp`: `kLobeSpread` of `core/flake_lobe.h`.
+`tests/fits/lobe_spread.cpp`: `kWideShare` of `core/flake_lobe.h`.
 
 {lobe}
 """

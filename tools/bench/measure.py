@@ -18,6 +18,7 @@ from bench import equal_error  # noqa: E402
 from bench.absent_parts import absent_parts  # noqa: E402
 from bench.error import render_all  # noqa: E402
 from bench.growth import growth  # noqa: E402
+from bench.noise import noise  # noqa: E402
 from bench.rows import ABSENT, ERROR, SERIES, Found, Row, write  # noqa: E402
 from bench.samples import samples  # noqa: E402
 
@@ -32,7 +33,7 @@ def error(quick: bool) -> Iterator[Row]:
     yield from equal_error.rows(equal_error.load_all(SERIES))
 
 
-MEASURES = {"samples": samples, "growth": growth, ABSENT: absent, ERROR: error}
+MEASURES = {"samples": samples, "growth": growth, "noise": noise, ABSENT: absent, ERROR: error}
 
 
 def main() -> None:

@@ -45,6 +45,9 @@ CAPTIONS = {
     "point's time. ⟨N⟩ is the mean count of sparkles in a pixel. With more flakes, flakes and "
     "pixels shrink alike. With more pixels, the picture shows more paint. Further lights are suns "
     "in other places; paints in one picture lie in 20 strips.",
+    "noise": "A ball under light of any size, Sparkle Contrast 0: two pictures of other seeds, "
+    "their difference over their mean, and that over what Principled has (roughness 0.4). At equal "
+    "time it grows by the root of the times.",
     "absent": "What a scene does not use costs nothing: operations that OSL keeps of the shader, "
     "over those where the part is cut from its text, and where these differ, times. The first time "
     "is of two copies of the same shader: noise.",
@@ -112,6 +115,7 @@ def report(found: Sequence[Found], quick: bool) -> Iterator[str]:
 
 TITLES = {
     "waits": "Waits", "memory": "Memory", "samples": "Time per sample", "growth": "Growth",
+    "noise": "Noise",
     "absent": "Absent parts", "error": "Time to equal error", "core": "The core",
 }  # fmt: skip
 DRAWN = {

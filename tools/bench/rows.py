@@ -14,7 +14,7 @@ from common import bars, files
 from common.processes import BUILD
 
 ABSENT = "absent"  # not with --quick
-RENDERED = ("samples", "growth", ABSENT)  # within one Blender
+RENDERED = ("samples", "growth", "noise", ABSENT)  # within one Blender
 ERROR = "error"  # in the first Blender alone
 CORE = "core"
 PARTS = ("waits", "memory", *RENDERED, ERROR, CORE)

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Noise of what flakes mirror, beside a Principled metal, on a ball under lights of any size."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from collections.abc import Callable, Iterator
+
+import bpy
+import numpy as np
+from mathutils import Vector
+from metallic_paint import verify
+from metallic_paint.paint import material, presets
+from metallic_paint.scene import needs
+from pictures.render_scene import say
+from verification import scenes
+
+from bench import materials
+from bench.rows import Row
+from bench.stage import THREADS
+
+PRESETS = ("silver-fine", "candy-red", "white-pearl", "silver-coarse")
+PRINCIPLED = "Principled"
+RADIUS = 0.1  # m, of the ball
+AT_EQUAL_SAMPLES, AT_EQUAL_TIME = 1.5, 2.0  # of Principled's noise, at most
+
+
+def area(
+    side: float, place: tuple[float, float, float], watt: float, shape: str = "SQUARE"
+) -> None:
+    """A lamp that faces the ball."""
+    data = bpy.data.lights.new("Area", "AREA")
+    data.shape, data.size, data.energy = shape, side, watt
+    item = bpy.data.objects.new("Area", data)
+    item.location = place
+    item.rotation_euler = Vector(place).to_track_quat("Z", "Y").to_euler()
+    bpy.context.scene.collection.objects.link(item)
+
+
+def lamp() -> None:
+    """10 cm, 24 cm from the paint."""
+    area(0.1, Vector((0.3, -0.7, 0.65)).normalized() * (RADIUS + 0.24), 5, "DISK")
+
+
+def softboxes() -> None:
+    area(1.2, (1.1, -0.6, 1.2), 60)
+    area(0.9, (-1.2, -0.5, 0.4), 30)
+
+
+def sun_and_softbox() -> None:
+    sun = scenes.sun("Sun", 50, -110, 0.53)(bpy.context.scene)
+    sun.data.cycles.use_multiple_importance_sampling = True
+    area(1.2, (1.1, -0.6, 1.2), 60)
+
+
+def hdri() -> None:
+    """A room with windows, walls of some brightness and a dark floor."""
+    h, w = 128, 256
+    pixels = np.ones((h, w, 4), dtype=np.float32)
+    pixels[..., :3] = 0.15
+    pixels[: h // 2, :, :3] = 0.05
+    for azimuth, width in ((20, 30), (90, 14), (150, 40), (215, 20)):
+        at = slice(azimuth, azimuth + width)
+        pixels[72:104, at, :3] = (6, 7, 8)
+    image = bpy.data.images.new("Room", w, h, float_buffer=True)
+    image.colorspace_settings.name = "Linear Rec.709"
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    world = bpy.context.scene.world = bpy.data.worlds.new("Room")
+    if world.node_tree is None:
+        world.use_nodes = True  # Blender 4.5
+    tree = world.node_tree
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = image
+    tree.links.new(node.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+
+
+LIGHTS: dict[str, Callable[[], None]] = {
+    "a lamp near by": lamp,
+    "two softboxes": softboxes,
+    "an HDRI": hdri,
+    "sun and softbox": sun_and_softbox,
+}
+
+
+class Ball:
+    """Balls of several materials in one place, of which a picture shows one."""
+
+    def __init__(self, light: Callable[[], None], made: Callable[[], dict], size: int) -> None:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        self.scene = scene = bpy.context.scene
+        material.set_up_cycles(scene)
+        verify.make_noiseless(scene)
+        light()
+        cycles = scene.cycles
+        cycles.use_adaptive_sampling = cycles.use_denoising = False
+        scene.render.film_transparent = True
+        scene.render.use_persistent_data = True
+        scene.render.threads_mode, scene.render.threads = "FIXED", THREADS
+        scene.render.resolution_x = scene.render.resolution_y = size
+        scene.render.resolution_percentage = 100
+        self.balls = {}
+        for name, each in made().items():
+            bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=RADIUS)
+            ball = self.balls[name] = bpy.context.object
+            for polygon in ball.data.polygons:
+                polygon.use_smooth = True
+            material.assign(ball, each)
+        data = bpy.data.cameras.new("Camera")
+        data.type, data.ortho_scale = "ORTHO", 2.1 * RADIUS
+        camera = scene.camera = bpy.data.objects.new("Camera", data)
+        camera.location = Vector((0.1, -1, 0.35))
+        camera.rotation_euler = camera.location.to_track_quat("Z", "Y").to_euler()
+        scene.collection.objects.link(camera)
+        needs.fit(scene)
+
+    def picture(self, name: str, samples: int, seed: int = 0) -> np.ndarray:
+        for each, ball in self.balls.items():
+            ball.hide_render = each != name
+        self.scene.cycles.samples, self.scene.cycles.seed = samples, seed
+        return verify.render(self.scene)
+
+    def noise(self, name: str, samples: int) -> float:
+        """Of brightness, relative to its mean over the ball."""
+        one, other = (self.picture(name, samples, seed).mean(axis=-1) for seed in (1, 2))
+        y, x = np.indices(one.shape)
+        centre = (len(one) - 1) / 2
+        ball = np.hypot(x - centre, y - centre) < 0.95 * len(one) / 2.1
+        noise = math.sqrt(((one - other)[ball] ** 2).mean() / 2)
+        return noise / float((one + other)[ball].mean() / 2)
+
+    def seconds(self, name: str, samples: int) -> float:
+        def taken(count: int) -> float:
+            start = time.process_time()
+            self.picture(name, count)
+            return time.process_time() - start
+
+        taken(1)
+        return (taken(samples + 1) - taken(1)) / samples
+
+
+def contenders() -> dict[str, bpy.types.Material]:
+    made = {
+        name: material.create(dataclasses.replace(presets.load(name), sparkle_contrast=0))
+        for name in PRESETS
+    }
+    metal = made[PRINCIPLED] = materials.principled()
+    metal.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.4
+    return made
+
+
+def noise(quick: bool) -> Iterator[Row]:
+    size = 64 if quick else 128
+    for lit, light in LIGHTS.items():
+        say(f"  under {lit}")
+        ball = Ball(light, contenders, size)
+        seconds = {name: ball.seconds(name, 16 if quick else 64) for name in ball.balls}
+        for samples in (16, 256):
+            found = {name: ball.noise(name, samples) for name in ball.balls}
+            for name in PRESETS:
+                over = found[name] / found[PRINCIPLED]
+                slower = seconds[name] / seconds[PRINCIPLED]
+                behind = f"{found[name]:.3f} / {found[PRINCIPLED]:.3f}"
+                what = f"{lit}: noise of {name} over {PRINCIPLED}, {samples} samples"
+                yield Row(what, [over], AT_EQUAL_SAMPLES, orientation=behind)
+                yield Row(f"{what}, at equal time", [over * math.sqrt(slower)], AT_EQUAL_TIME,
+                          orientation=f"{slower:.2f} of the time")  # fmt: skip
