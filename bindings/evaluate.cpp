@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "batch.h"
+#include "fast_call.h"
 #include "module.h"
 #include "places.h"
 #include "validation.h"
@@ -16,6 +20,28 @@ namespace py = pybind11;
 using namespace metallic_paint;
 
 namespace {
+
+constexpr std::array kResults{"leader",   "slots",         "mean_count", "count",
+                              "radiance", "mean_radiance", "variance"};
+
+// An array that lies in `memory`, of so many of these dimensions.
+template <class Number>
+py::object part_of(const py::array& memory, Number* first, std::array<py::ssize_t, 3> shape,
+                   int dimensions) {
+  const py::detail::npy_api& numpy = py::detail::npy_api::get();
+  PyObject* part = numpy.PyArray_NewFromDescr_(
+      numpy.PyArray_Type_, py::dtype::of<Number>().release().ptr(), dimensions, shape.data(),
+      nullptr, first,
+      py::detail::npy_api::NPY_ARRAY_C_CONTIGUOUS_ | py::detail::npy_api::NPY_ARRAY_ALIGNED_ |
+          py::detail::npy_api::NPY_ARRAY_WRITEABLE_,
+      nullptr);
+  if (part == nullptr) throw py::error_already_set();
+  py::object held = py::reinterpret_steal<py::object>(part);
+  if (numpy.PyArray_SetBaseObject_(part, memory.inc_ref().ptr()) != 0) {
+    throw py::error_already_set();
+  }
+  return held;
+}
 
 py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle positions,
                   py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
@@ -40,26 +66,18 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
 
   // In one piece of memory. Seven pieces go back to the system after each call, which then takes as
   // long to give them anew as a float batch to fill them.
-  const py::ssize_t lights_of_all = n * slots;
-  const py::array_t<double> memory(12 * lights_of_all);
+  const py::ssize_t all_lights = n * slots;
+  const py::array_t<double> memory(12 * all_lights);
   double* rest = const_cast<double*>(memory.data());
-  const auto colours = [&] {
-    return py::array_t<double>({n, slots, py::ssize_t{3}},
-                               std::exchange(rest, rest + 3 * lights_of_all), memory);
-  };
-  const auto counts = [&] {
-    return py::array_t<double>({n, slots}, std::exchange(rest, rest + lights_of_all), memory);
-  };
-  py::array_t<double> radiance = colours(), mean_radiance = colours(), variance = colours(),
-                      count = counts(), mean_count = counts();
-  auto* rest_for_ints = reinterpret_cast<std::int32_t*>(rest);
-  py::array_t<std::int32_t> leader({n, slots}, rest_for_ints, memory),
-      count_slots({n, slots}, rest_for_ints + lights_of_all, memory);
+  const auto next = [&](py::ssize_t numbers) { return std::exchange(rest, rest + numbers); };
+  double *radiance = next(3 * all_lights), *mean_radiance = next(3 * all_lights),
+         *variance = next(3 * all_lights), *count = next(all_lights),
+         *mean_count = next(all_lights);
+  auto* leader = reinterpret_cast<std::int32_t*>(rest);
+  std::int32_t* count_slots = leader + all_lights;
   const PixelBatch batch = places.batch(column_of(slant_depth));
-  const PixelResults results{leader.mutable_data(),     count_slots.mutable_data(),
-                             mean_count.mutable_data(), count.mutable_data(),
-                             radiance.mutable_data(),   mean_radiance.mutable_data(),
-                             variance.mutable_data()};
+  const PixelResults results{leader,   count_slots,   mean_count, count,
+                             radiance, mean_radiance, variance};
   const auto evaluate_in = [&](const auto& layer, const std::stop_token& stop) {
     evaluate_pixels(prepared->paint, layer, lights, static_cast<std::size_t>(species), batch,
                     results, stop);
@@ -75,27 +93,59 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
         }
       },
       brief);
+  // The names as Python has its own keywords: looked up without being made or compared.
+  static const std::array names = [] {
+    std::array<PyObject*, 7> interned{};
+    std::transform(kResults.begin(), kResults.end(), interned.begin(), PyUnicode_InternFromString);
+    return interned;
+  }();
   py::dict all;
-  all["leader"] = leader;
-  all["slots"] = count_slots;
-  all["mean_count"] = mean_count;
-  all["count"] = count;
-  all["radiance"] = radiance;
-  all["mean_radiance"] = mean_radiance;
-  all["variance"] = variance;
+  std::size_t at = 0;
+  const auto give = [&](auto* first, int dimensions) {
+    const py::object part = part_of(memory, first, {n, slots, 3}, dimensions);
+    if (PyDict_SetItem(all.ptr(), names[at++], part.ptr()) != 0) throw py::error_already_set();
+  };
+  give(leader, 2);
+  give(count_slots, 2);
+  give(mean_count, 2);
+  give(count, 2);
+  give(radiance, 3);
+  give(mean_radiance, 3);
+  give(variance, 3);
   return all;
+}
+
+PyObject* call_evaluate(PyObject*, PyObject* const* given, Py_ssize_t by_position,
+                        PyObject* keywords) {
+  return returned_or_raised([&] {
+    static const Signature<13> signature("evaluate", 2,
+                                         {{"paint"},
+                                          {"lights"},
+                                          {"position"},
+                                          {"normal"},
+                                          {"view"},
+                                          {"footprint"},
+                                          {"pixel"},
+                                          {"own_position", Py_None},
+                                          {"own_axes", Py_None},
+                                          {"instance", Py_None},
+                                          {"slant_depth", Py_None},
+                                          {"precision", PyUnicode_InternFromString("double")},
+                                          {"species", PyLong_FromLong(0)}});
+    const auto arguments = signature.arrange(given, by_position, keywords);
+    return std::apply(evaluate, arguments);
+  });
 }
 
 }  // namespace
 
 void bind_evaluate(py::module_& module) {
-  module.def(
-      "evaluate", &evaluate, py::arg("paint"), py::arg("lights"), py::kw_only(),
-      py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
-      py::arg("pixel"), py::arg("own_position") = py::none(), py::arg("own_axes") = py::none(),
-      py::arg("instance") = py::none(), py::arg("slant_depth") = py::none(),
-      py::arg("precision") = "double", py::arg("species") = 0,
-      R"doc(The sparkles of m lights, at most 8, in n pixels (paper, 5.3; derivation: core/expected_sparkles.h).
+  static PyMethodDef definition{
+      "evaluate", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call_evaluate)),
+      METH_FASTCALL | METH_KEYWORDS,
+      R"doc(evaluate(paint, lights, *, position, normal, view, footprint, pixel, own_position=None, own_axes=None, instance=None, slant_depth=None, precision='double', species=0)
+
+The sparkles of m lights, at most 8, in n pixels (paper, 5.3; derivation: core/expected_sparkles.h).
 
 position (n, 3): in scene units, at most 1e30; normal and view (n, 3): unit vectors, view towards
 the observer; zero for a pixel without surface. footprint (n,): area of the pixel's projection on
@@ -117,5 +167,9 @@ species, per unit of the light's irradiance on a plane normal to it: 1/sr, and i
 variance.
 The arrays share one piece of memory, which any of them keeps.
 mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
-narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc");
+narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc"};
+  const auto function = py::reinterpret_steal<py::object>(
+      PyCFunction_NewEx(&definition, nullptr, py::object(module.attr("__name__")).ptr()));
+  if (!function) throw py::error_already_set();
+  module.attr("evaluate") = function;
 }

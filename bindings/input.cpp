@@ -176,9 +176,10 @@ std::size_t choice(const char* field, py::handle value, std::initializer_list<co
 }
 
 void require_shape(const char* field, const py::array& array,
-                   const std::vector<py::ssize_t>& shape) {
-  if (dimensions(array) == shape) return;
-  reject_shape(field, array, py::str(py::tuple(py::cast(shape))).cast<std::string>());
+                   std::initializer_list<py::ssize_t> shape) {
+  if (std::equal(shape.begin(), shape.end(), array.shape(), array.shape() + array.ndim())) return;
+  const std::vector<py::ssize_t> all = shape;
+  reject_shape(field, array, py::str(py::tuple(py::cast(all))).cast<std::string>());
 }
 
 void require_one_dimension(const char* field, const py::array& array) {

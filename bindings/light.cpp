@@ -24,6 +24,7 @@ std::vector<Light<double>> lights_of(py::handle value) {
                           ", but must hold at most " + std::to_string(metallic_paint::kLightSlots));
   }
   std::vector<Light<double>> lights;
+  lights.reserve(given.size());
   for (std::size_t i = 0; i < given.size(); ++i) {
     const py::object light = given[i];
     lights.push_back(object_of<Light<double>>(metallic_paint::at_row("lights", i), light));

@@ -73,7 +73,7 @@ std::size_t choice(const char* field, pybind11::handle value,
                    std::initializer_list<const char*> names);
 
 void require_shape(const char* field, const pybind11::array& array,
-                   const std::vector<pybind11::ssize_t>& shape);
+                   std::initializer_list<pybind11::ssize_t> shape);
 void require_one_dimension(const char* field, const pybind11::array& array);
 void require_rows_of_3(const char* field, const pybind11::array& array);
 void require_broadcast(const char* fields, const std::vector<pybind11::array>& arrays);

@@ -150,7 +150,9 @@ bool is_unit_or_zero(double square) { return square == 0 || is_unit(square); }
 bool all_within(const Column& column, std::size_t count, double least, double most) {
   return !column.given() || column.as_they_are([&](const auto* number) {
     bool within = true;
-    for (std::size_t i = 0; i < count; ++i) within &= number[i] >= least && number[i] <= most;
+    for (std::size_t i = 0; i < count; ++i) {
+      within &= (number[i] >= least) & (number[i] <= most);  // without a branch
+    }
     return within;
   });
 }
