@@ -8,7 +8,7 @@ are comes from the carrier (carrier.py), so that no shader is compiled when they
 
 A paint that is linked from another file brings that file's group along, which cannot be changed.
 So every group knows its file by a number, and looks what number the scene has. Where that is
-another one, all slots are what the scene has. The comparison folds: what is not taken costs nothing.
+another one, all slots are what the scene has. The comparison folds: what is not taken is free.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is mer
 
 
 _Constant = float | tuple[float, ...]
+_Type = Literal["FLOAT", "VECTOR"]
 _Constants = tuple[tuple[float, float, float, float], tuple[float, float, float]]
 _OF_SCENE = METERS_PER_UNIT, OTHER_LIGHT
 
@@ -258,13 +259,11 @@ def _build(
                 row += [side, normal]
         where = _attribute(group, "VIEW_LAYER", carrier.path(slot))
         what = _attribute(group, "VIEW_LAYER", carrier.facing_path(slot))
-        there = [node.outputs[name] for node in (what, where) for name in ("Alpha", "Vector")]
-        kind, facing, size, vector = there
         row += [where, what]
-        for name, otherwise, value in zip(
-            slot_names(slot), here, (kind, vector, size, facing), strict=True
-        ):
-            data_type = "VECTOR" if value.type == "VECTOR" else "FLOAT"
+        sources = (what, "Alpha"), (where, "Vector"), (where, "Alpha"), (what, "Vector")
+        elsewhere = [node.outputs[output] for node, output in sources]
+        for name, otherwise, value in zip(slot_names(slot), here, elsewhere, strict=True):
+            data_type: _Type = "VECTOR" if value.type == "VECTOR" else "FLOAT"
             row.append(_mix(group, data_type, is_elsewhere, otherwise, value, out.inputs[name]))
             row[-1].name = name
         _arrange(row, slot)
@@ -314,14 +313,14 @@ def _constants(light: bpy.types.Object, matrix: Matrix) -> _Constants:
 
 def _mix(
     group: bpy.types.ShaderNodeTree,
-    data_type: Literal["FLOAT", "VECTOR"],
+    data_type: _Type,
     factor: bpy.types.Node,
     otherwise: bpy.types.NodeSocket | _Constant,
     value: bpy.types.NodeSocket,
     into: bpy.types.NodeSocket | None = None,
-) -> bpy.types.Node:
+) -> bpy.types.ShaderNodeMix:
     """A node that hands on the value where the factor is 1, and the other where it is 0."""
-    node = group.nodes.new("ShaderNodeMix")
+    node: bpy.types.ShaderNodeMix = group.nodes.new("ShaderNodeMix")
     node.data_type, node.clamp_factor = data_type, False
     inputs = {socket.identifier: socket for socket in node.inputs}
     kind = data_type.title()
@@ -333,7 +332,7 @@ def _mix(
     return node
 
 
-def _result(mix: bpy.types.Node) -> bpy.types.NodeSocket:
+def _result(mix: bpy.types.ShaderNodeMix) -> bpy.types.NodeSocket:
     identifier = f"Result_{mix.data_type.title()}"
     return next(each for each in mix.outputs if each.identifier == identifier)
 
@@ -346,7 +345,7 @@ def _output(group: bpy.types.ShaderNodeTree) -> bpy.types.Node:
 
 def _own(group: bpy.types.ShaderNodeTree, name: str) -> bpy.types.NodeSocket:
     """Which holds a constant of the group, for scenes of its own file."""
-    node = group.nodes.get(name)
+    node: bpy.types.Node | None = group.nodes.get(name)
     if node is None:  # of version 4
         return _output(group).inputs[name]
     return next(each for each in node.inputs if each.identifier == "A_Float")
