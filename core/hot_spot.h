@@ -45,13 +45,28 @@ T share_in_common(T w, T x) {
   return (1 + T(1.6392) * y) / (1 + y * (T(2.0389) + y * (T(1.8717) / (1 + T(0.1464) * x))));
 }
 
-// kappa of G, for a disc r times as wide as those that hide it; 0.465 = E[O] where r = 1 and both
-// ways are one. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5
+// kappa where both ways are one, for a disc r times as wide as those that hide it; 0.465 = E[O]
+// where r = 1.
+template <class T>
+T hidden_one_way(T r) {
+  return 1 / (1 + r * (T(0.3259) + T(0.8235) * r));
+}
+
+// Likewise among all species, each by what it covers.
+template <class T>
+T hidden_one_way(const Layer<T>& layer, T diameter) {
+  T sum = 0;
+  for (std::size_t i = 0; i < kSpecies; ++i) {
+    sum = sum + layer.hiding[i] * hidden_one_way(diameter / layer.diameters[i]);
+  }
+  return sum;
+}
+
+// kappa of G. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5
 // E[s^2] is within 3 %, for r of 0.4 to 2.5 within 6 % (docs/fits.md).
 template <class T>
-T hidden_at_once(T r, T share) {
-  const T alone = 1 / (1 + r * (T(0.3259) + T(0.8235) * r));
-  return alone + (1 - alone) * (share * (1 - share));
+T hidden_at_once(T one_way, T share) {
+  return one_way + (1 - one_way) * (share * (1 - share));
 }
 
 // w of delta.
@@ -81,11 +96,11 @@ Rgb<T> there_and_back(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_sla
 template <class T>
 T hidden_whole(const Layer<T>& layer, const Flakes<T>& flakes, Rgb<T> x, Rgb<T> shared) {
   if (layer.depth_model != DepthModel::correlated) return T(0);
-  const T r = flakes.diameter / layer.mean_diameter;
+  const T one_way = hidden_one_way(layer, flakes.diameter);
   const auto hidden = [&](T depth, T both, T blocking) {
     const T c = min(blocking, (depth + both) * T(0.5));
     const T share = clamp(both / max(c, T(1e-30)), T(0), T(1));
-    return min(hidden_at_once(r, share) * (c * (2 - share)), depth);
+    return min(hidden_at_once(one_way, share) * (c * (2 - share)), depth);
   };
   const Rgb<T> c = layer.shared_blocking;
   return min(min(hidden(x.x, shared.x, c.x), hidden(x.y, shared.y, c.y)),

@@ -54,10 +54,11 @@ struct Layer {
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   T rayleigh_depth;     // H (16 pi/3) c1
-  // Of hot_spot.h: c for each colour, and H/D.
+  // Of hot_spot.h: c for each colour, H/D, and of each species its share of what all cover and its
+  // D, m.
   Rgb<T> shared_blocking;
-  T mean_diameter;  // D, m, of what they cover; 0: there is none
   T thickness_in_flakes;
+  std::array<T, kSpecies> hiding, diameters;
   T haze;  // solid angle of tilts of the coat's facets, for each way through it
   DepthModel depth_model;
   Radiometry radiometry;
@@ -134,10 +135,11 @@ Layer<T> make_layer(const Paint& paint) {
   const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
   layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
-  layer.mean_diameter = layer.thickness_in_flakes = 0;
-  if (width > 0) {
-    layer.mean_diameter = width / layer.coverage;
-    layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
+  layer.thickness_in_flakes = 0;
+  if (width > 0) layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
+  for (std::size_t i = 0; i < kSpecies; ++i) {
+    layer.hiding[i] = width > 0 ? layer.flakes[i].coverage / layer.coverage : T(0);
+    layer.diameters[i] = layer.flakes[i].diameter;
   }
   // Of two GGX densities convolved, those of the ways in and out, the peak is that of a disc of 3
   // pi alpha^2, 1.5 a way; their long tails take as much again from the flakes. The sparkles' mean

@@ -17,10 +17,20 @@ float share_in_common(float w, float x)
   return (1.0 + 1.6392 * y) / (1.0 + y * (2.0389 + y * (1.8717 / (1.0 + 0.1464 * x))));
 }
 
-color hidden_at_once(float r, color share)
+color hidden_one_way(color r)
 {
-  float alone = 1.0 / (1.0 + r * (0.3259 + 0.8235 * r));
-  return color(alone) + (1.0 - alone) * (share * (color(1.0) - share));
+  return color(1.0) / (color(1.0) + r * (color(0.3259) + 0.8235 * r));
+}
+
+float hidden_one_way(Layer layer, float diameter)
+{
+  color hidden = layer.hiding * hidden_one_way(color(diameter) / layer.diameters);
+  return hidden[0] + hidden[1] + hidden[2];
+}
+
+color hidden_at_once(float one_way, color share)
+{
+  return color(one_way) + (1.0 - one_way) * (share * (color(1.0) - share));
 }
 
 float flakes_apart(Layer layer, float delta)
@@ -47,7 +57,7 @@ float hidden_whole(Layer layer, Flakes flakes, color x, color shared)
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
     color c = min(layer.shared_blocking, (x + shared) * 0.5);
     color share = min(max(shared / max(c, color(1e-30)), color(0.0)), color(1.0));
-    color hidden = min(hidden_at_once(flakes.diameter / layer.mean_diameter, share) * (c * (color(2.0) - share)), x);
+    color hidden = min(hidden_at_once(hidden_one_way(layer, flakes.diameter), share) * (c * (color(2.0) - share)), x);
     h = min(min(hidden[0], hidden[1]), hidden[2]);
   }
   return h;

@@ -33,8 +33,9 @@ struct Layer {
   color binder_depth;
   float rayleigh_depth;
   color shared_blocking;
-  float mean_diameter;
   float thickness_in_flakes;
+  color hiding;
+  color diameters;
   float haze;
   int depth_model;
   int radiometry;
@@ -99,6 +100,8 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   layer.coverage = first.coverage;
   layer.shared_blocking = shared_blocking_of(first, library);
   float width = first.coverage * first.diameter;
+  color covered = color(first.coverage, 0.0, 0.0);
+  layer.diameters = color(first.diameter);
   if (present > 1) {
     for (int i = 1; i < present; ++i) {
       if (flakes[i].areal_density > 0.0)
@@ -107,16 +110,18 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
       layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes[i], library);
       width = width + flakes[i].coverage * flakes[i].diameter;
     }
+    covered = color(first.coverage, flakes[1].coverage, flakes[2].coverage);
+    layer.diameters = color(first.diameter, flakes[1].diameter, flakes[2].diameter);
   }
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;
   float thickness_mm = given.layer_thickness_um * 0.001;
   layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
-  layer.mean_diameter = 0.0;
   layer.thickness_in_flakes = 0.0;
+  layer.hiding = color(0.0);
   if (width > 0.0) {
-    layer.mean_diameter = width / layer.coverage;
     layer.thickness_in_flakes = thickness_mm * 0.001 * (layer.coverage / width);
+    layer.hiding = covered / layer.coverage;
   }
   float alpha = given.coat_roughness * given.coat_roughness;
   layer.haze = 3.0 * M_PI * (alpha * alpha);

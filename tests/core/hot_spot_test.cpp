@@ -80,7 +80,7 @@ TEST(HotSpot, SmallFlakesHideIndependently) {
 // Discs that hide one another, of the paints and angles for which hot_spot.h is made: what they
 // leave of a sparkle, over what the model does. Opaque or not, one species or two, of equal flakes
 // or spread. The model's own approximations have 3 % of the mean and 6 % of the mean square, 15 %
-// of several species, of which it knows the mean width; chance the rest.
+// of several species, whose ways apart it counts in their mean width; chance the rest.
 void expect_like_traced_discs(Random& random, int scenes) {
   Worst worst, worst_square, worst_of_two;
   const double threshold = sidak_threshold(kFreshLevel, scenes);

@@ -131,8 +131,9 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("binder_depth", shader.binder_depth, core.binder_depth);
   same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
   same("shared_blocking", shader.shared_blocking, core.shared_blocking);
-  same("mean_diameter", shader.mean_diameter, core.mean_diameter);
   same("thickness_in_flakes", shader.thickness_in_flakes, core.thickness_in_flakes);
+  same("hiding", shader.hiding, {core.hiding[0], core.hiding[1], core.hiding[2]});
+  same("diameters", shader.diameters, {core.diameters[0], core.diameters[1], core.diameters[2]});
   same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
   same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
   same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);

@@ -79,18 +79,18 @@ void tell(const char* name, const Constants& k, const std::vector<Case>& cases) 
               k[4], error.largest, error.root_mean_square);
 }
 
-// The area of the discs of radius 1 about these points, over that of one: chords by the line y.
-double area_of_union(const std::array<std::array<double, 2>, 4>& middles) {
+// The area of the discs of this radius about these points, over that of one: chords by the line y.
+double area_of_union(const std::array<std::array<double, 2>, 4>& middles, double radius) {
   const auto [low, high] = std::minmax_element(
       middles.begin(), middles.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
-  const double bottom = (*low)[1] - 1, height = (*high)[1] + 1 - bottom;
+  const double bottom = (*low)[1] - radius, height = (*high)[1] + radius - bottom;
   constexpr int kLines = 64;
   double sum = 0;
   for (int i = 0; i < kLines; ++i) {
     const double y = bottom + height * (i + 0.5) / kLines;
     std::vector<std::array<double, 2>> chords;
     for (const auto& [x, at] : middles) {
-      const double half = 1 - (y - at) * (y - at);
+      const double half = radius * radius - (y - at) * (y - at);
       if (half > 0) chords.push_back({x - std::sqrt(half), x + std::sqrt(half)});
     }
     std::sort(chords.begin(), chords.end());
@@ -100,29 +100,47 @@ double area_of_union(const std::array<std::array<double, 2>, 4>& middles) {
       end = std::max(end, to);
     }
   }
-  return sum * height / kLines / std::numbers::pi;
+  return sum * height / kLines / (std::numbers::pi * radius * radius);
 }
 
-// E[s^2] of discs r times as wide as those that hide them: pairs of points of one, each free on
-// both ways; four discs' union hides one or the other.
-double free_squared(Random& random, double r, double c, double w, double x) {
+// What hides: a share of the covered area, by discs of this diameter.
+struct Hiding {
+  double share, diameter;
+};
+
+// E[s^2] of discs of the diameter d: pairs of points of one, each free on both ways; four discs'
+// union hides one or the other. w is that of discs of diameter 1.
+double free_squared(Random& random, double d, const std::vector<Hiding>& all, double c, double w,
+                    double x) {
   constexpr int kPairs = 300, kSteps = 48;
   double sum = 0;
   for (int k = 0; k < kPairs; ++k) {
     const auto point = [&] {
-      const double from = r * std::sqrt(random.uniform(0, 1)), turn = random.uniform(0, 6.2831853);
+      const double from = d / 2 * std::sqrt(random.uniform(0, 1)),
+                   turn = random.uniform(0, 6.2831853);
       return std::array{from * std::cos(turn), from * std::sin(turn)};
     };
     const auto a = point(), b = point();
     double hiding = 0;
     for (int i = 0; i < kSteps; ++i) {
-      const double z = (i + 0.5) / kSteps, apart = 2 * w * z;
-      const double now = c * area_of_union({{a, b, {a[0] + apart, a[1]}, {b[0] + apart, b[1]}}});
+      const double z = (i + 0.5) / kSteps, apart = w * z;
+      double now = 0;
+      for (const auto& [share, diameter] : all) {
+        now += c * share *
+               area_of_union({{a, b, {a[0] + apart, a[1]}, {b[0] + apart, b[1]}}}, diameter / 2);
+      }
       sum += std::exp(-(hiding + now / 2 / kSteps) - 2 * (x - 2 * c) * z) / kSteps;
       hiding += now / kSteps;
     }
   }
   return sum / kPairs;
+}
+
+void tell_quantiles(const char* name, std::vector<double> off) {
+  std::sort(off.begin(), off.end());
+  const std::size_t n = off.size();
+  std::printf("| %s: %zu | %.3f | %.3f | %.3f |\n", name, n, off.back(), off[n * 95 / 100],
+              off[n / 2]);
 }
 
 void tell_hidden(Random& random, const char* name, double least, double most, double wrong) {
@@ -133,13 +151,41 @@ void tell_hidden(Random& random, const char* name, double least, double most, do
     const double c = random.log_uniform(0.1, 3);
     const double x = 2 * c + (random.below(2) == 0 ? 0 : random.log_uniform(0.1, 5));
     const double share = share_in_common(w, x);
-    const double h = wrong * hidden_at_once(r, share) * c * (2 - share);
+    const double h = wrong * hidden_at_once(hidden_one_way(r), share) * c * (2 - share);
     const double model = mean_transmittance(2 * (x - c * share) - h);
-    off.push_back(std::fabs(model / free_squared(random, r, c, w, x) - 1));
+    off.push_back(std::fabs(model / free_squared(random, r, {{1, 1}}, c, w, x) - 1));
   }
-  std::sort(off.begin(), off.end());
-  std::printf("| %s: %d | %.3f | %.3f | %.3f |\n", name, kCases, off.back(), off[kCases * 95 / 100],
-              off[kCases / 2]);
+  tell_quantiles(name, off);
+}
+
+// Of two species, 0.05 to 1 layers wide, of which any part covers; for both, by what they cover.
+// `each`: every one hides by its own width, as it stands; or all by their mean.
+void tell_two(Random& random, const char* name, bool each) {
+  constexpr int kCases = 150;
+  std::vector<double> off;
+  for (int i = 0; i < kCases; ++i) {
+    const double part = random.uniform(0, 1), c = random.log_uniform(0.1, 3);
+    const double first = random.log_uniform(0.05, 1), second = random.log_uniform(0.05, 1);
+    const double mean = part * first + (1 - part) * second;
+    const std::vector<Hiding> all = {{part, first / mean}, {1 - part, second / mean}};
+    const double w = random.log_uniform(0.05, 3) / mean, x = 2 * c;
+    const double share = share_in_common(w, x);
+    double model = 0, exact = 0;
+    for (const auto& [of, diameter] : all) {
+      double one_way = hidden_one_way(diameter);
+      if (each) {
+        one_way = 0;
+        for (const Hiding& hiding : all) {
+          one_way += hiding.share * hidden_one_way(diameter / hiding.diameter);
+        }
+      }
+      const double h = hidden_at_once(one_way, share) * c * (2 - share);
+      model += of * mean_transmittance(2 * (x - c * share) - h);
+      exact += of * free_squared(random, diameter, all, c, w, x);
+    }
+    off.push_back(std::fabs(model / exact - 1));
+  }
+  tell_quantiles(name, off);
 }
 
 // What r_s + E + M of a lossless paint is off 1, in the worst colour; discs of 0.05 to 2 of the
@@ -194,6 +240,8 @@ int main(int argc, char** argv) {
   tell_hidden(random, "discs as wide as those that hide them", 1, 1, 1);
   tell_hidden(random, "0.4 to 2.5 times as wide", 0.4, 2.5, 1);
   tell_hidden(random, "nothing hidden whole", 1, 1, 0);
+  tell_two(random, "two species, each by its own width", true);
+  tell_two(random, "two species, by their mean width", false);
 
   std::vector<double> own, mica, silica;
   for (int i = 0; i < 1'000; ++i) {
