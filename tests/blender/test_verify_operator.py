@@ -369,7 +369,7 @@ def test_what_shows_as_instances_alone_is_said() -> None:
         run(scene, thing, SIZE)
 
 
-@pytest.mark.parametrize("what", ["material"])
+@pytest.mark.parametrize("what", ["material", "object", "override"])
 def test_a_linked_paint_is_checked_under_the_lights_of_this_file(tmp_path: Path, what: str) -> None:
     scene = build()
     thing = scene.objects["Monkey"]
