@@ -297,6 +297,25 @@ def test_preset_menu_applies_to_a_paint_or_makes_one(addon: Addon, cube: bpy.typ
         bpy.ops.material.metallic_paint_new()
 
 
+def test_swatches_show_the_preset_and_choose_one(addon: Addon, cube: bpy.types.Object) -> None:
+    assert not panel().icon_views
+    bpy.ops.material.metallic_paint_new(preset="lime")
+    assert panel().icon_views == ["metallic_paint_preset"]
+    material, presets = addon("paint.material"), addon("paint.presets")
+    node = material.paint_node(cube.active_material)
+    assert node.metallic_paint_preset == "lime"
+    for name in presets.names():
+        node.metallic_paint_preset = name
+        assert material.paint_of(node) == presets.load(name)
+        assert node.metallic_paint_preset == name
+    node.inputs["Tilt"].default_value *= 1.5
+    assert node.metallic_paint_preset == "own"
+    before = material.paint_of(node)
+    node.metallic_paint_preset = "own"
+    assert material.paint_of(node) == before
+    assert not node.keys()
+
+
 def test_preset_menu_lists_own_presets(addon: Addon, cube: bpy.types.Object) -> None:
     bpy.ops.material.metallic_paint_new(preset="lime")
     file = addon("interface.preset_operators").own_folder(create=True) / "my-lime.json"

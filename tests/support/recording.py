@@ -20,6 +20,7 @@ class Layout:
         self.operators: list[tuple[str, dict[str, object]]] = []
         self.menus: list[str] = []
         self.properties: list[str] = []
+        self.icon_views: list[str] = []
         self.labels: list[str] = []  # of the properties
 
     def column(self, align: bool = False) -> Layout:
@@ -65,6 +66,14 @@ class Layout:
         assert name in data.bl_rna.properties, name
         self.properties.append(name)
         self.labels.append(text)
+
+    def template_icon_view(
+        self, data: object, name: str, show_labels: bool, scale: float, scale_popup: float
+    ) -> None:
+        assert name in data.bl_rna.properties, name
+        assert show_labels
+        assert min(scale, scale_popup) > 0
+        self.icon_views.append(name)
 
     def progress(self, factor: float = 0.0, text: str = "") -> None:
         assert 0 <= factor <= 1

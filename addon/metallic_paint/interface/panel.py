@@ -10,7 +10,7 @@ import bpy
 
 from ..paint import PANELS, material, migration
 from ..scene import follow, lights, needs, rest_position
-from . import knobs, operators
+from . import knobs, operators, preset_operators
 from .rest_position import SCENE_OT_metallic_paint_add_rest_position
 
 if TYPE_CHECKING:
@@ -65,10 +65,12 @@ class _PaintPanel:
         else:
             if operators.paint_node(context) is None:
                 layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
+            if (node := operators.paint_node(context)) is not None:
+                preset_operators.draw_swatches(layout, node)
             layout.menu(
                 "MATERIAL_MT_metallic_paint_presets", text="Metallic Paint Presets", icon="PRESET"
             )
-            if (node := operators.paint_node(context)) is not None:
+            if node is not None:
                 amount = knobs.draw_first(_values(layout), node)
                 draw_lines(layout, amount)
         if missing := material.missing(context.scene):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in the interface: a menu of swatches, applying, loading and saving.
+"""Presets in the interface: a grid and a menu of swatches, applying, loading and saving.
 
 Own presets are the files in the add-on's folder of the user; a file from elsewhere is loaded, or
 put there. A swatch is a picture beside the presets that ship; without it the entry is mere text.
@@ -7,10 +7,12 @@ put there. A swatch is a picture beside the presets that ship; without it the en
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import itertools
 import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import bpy.utils.previews
@@ -18,7 +20,7 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import ADD_ON
-from ..paint import PARAMETERS, PaintError, animation, material, presets
+from ..paint import PARAMETERS, Paint, PaintError, animation, material, presets
 from . import operators
 
 if TYPE_CHECKING:
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 SWATCHES = Path(__file__).parent.parent / "swatches"
 
 _MOST_LETTERS = 48  # of four bytes at most, so that a file may have the name
+
+CHOSEN = "metallic_paint_preset"  # the property of group nodes that the grid of swatches sets
 
 _previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while registered
 
@@ -64,6 +68,44 @@ def swatch(name: str) -> int:
     if name not in pictures:
         pictures.load(name, str(file), "IMAGE")
     return pictures[name].icon_id
+
+
+@functools.cache
+def _shipped() -> dict[str, Paint]:
+    return {name: presets.load(name) for name in presets.names()}
+
+
+@functools.cache  # Blender keeps no strings of its own
+def _items() -> list[Any]:  # the stubs know icons by their names alone
+    """The values as they are, which is no choice, and the presets."""
+    names = enumerate(_shipped(), 1)
+    choices = [(name, operators.title(name), "", swatch(name), number) for number, name in names]
+    return [("own", "Own Values", "What the paint is now", "MATERIAL", 0), *choices]
+
+
+def _chosen(node: bpy.types.ShaderNodeGroup) -> int:
+    """The preset whose values the paint has."""
+    try:
+        paint = material.paint_of(node)
+    except PaintError:
+        return 0
+    return next((i for i, each in enumerate(_shipped().values(), 1) if each == paint), 0)
+
+
+def _choose(node: bpy.types.ShaderNodeGroup, number: int) -> None:
+    if number:
+        # One of an older version stays: the panel offers to update it.
+        with contextlib.suppress(PaintError):
+            material.apply(node, list(_shipped().values())[number - 1])
+
+
+def draw_swatches(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> None:
+    """The swatch of the paint's preset; a click on it opens the grid of all."""
+    if not SWATCHES.is_dir():
+        return
+    row = layout.row()
+    row.enabled = node.id_data.is_editable
+    row.template_icon_view(node, CHOSEN, show_labels=True, scale=5, scale_popup=6)
 
 
 def _on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
@@ -219,9 +261,20 @@ def register() -> None:
     for each in _CLASSES:
         bpy.utils.register_class(each)
     _previews.append(bpy.utils.previews.new())
+    swatches = bpy.props.EnumProperty(
+        name="Preset",
+        description="Give the paint the values of a preset",
+        items=lambda _node, _context: _items(),
+        get=_chosen,
+        set=_choose,
+        options=set(),  # no animation: keys belong on the sockets
+    )
+    setattr(bpy.types.ShaderNodeGroup, CHOSEN, swatches)
 
 
 def unregister() -> None:
+    delattr(bpy.types.ShaderNodeGroup, CHOSEN)
+    _items.cache_clear()  # its icons go
     bpy.utils.previews.remove(_previews.pop())
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)
