@@ -13,7 +13,7 @@
 //   P(z) = exp(-x z + c z K(w z)),  K(y) = integral of O(y t) over t in [0, 1],  w = delta H/D,
 // where x is the optical depth there and back. Tilted flakes have c = D H <S> <cos(beta)>, what
 // either way meets where it meets no flake's back. A flake that transmits t is met twice by one
-// ray: it shares (1 - t)^2. Of several species D is the mean over what they cover.
+// ray: it shares (1 - t)^2. Of several species G is the mean over what they cover.
 //
 // Everything else takes an optical depth as before: the x' = x - c G(w, x) that leaves the same
 // mean,
@@ -69,10 +69,19 @@ T hidden_at_once(T one_way, T share) {
   return one_way + (1 - one_way) * (share * (1 - share));
 }
 
-// w of delta.
+// G of delta: each species hides by its own width.
 template <class T>
-T flakes_apart(const Layer<T>& layer, T delta) {
-  return min(delta * layer.thickness_in_flakes, T(1e9));
+T share_in_common(const Layer<T>& layer, T delta, T x) {
+  const auto of = [&](std::size_t i) {
+    return share_in_common(min(delta * layer.thickness_in_flakes[i], T(1e9)), x);
+  };
+  if (layer.species == 1) return of(0);
+  T sum = 0;
+  for (int i = 0; i < layer.species; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    sum = sum + layer.hiding[at] * of(at);
+  }
+  return sum;
 }
 
 // x' of x and G. No more is shared than either way has: t_p at another angle may say otherwise.
@@ -87,8 +96,8 @@ template <class T>
 Rgb<T> there_and_back(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_slant, T delta) {
   const Rgb<T> x = view_slant + light_slant;
   if (layer.depth_model != DepthModel::correlated) return x;
-  const T w = flakes_apart(layer, delta);
-  return less_in_common(layer, x, map(x, [&](T depth) { return share_in_common(w, depth); }));
+  return less_in_common(layer, x,
+                        map(x, [&](T depth) { return share_in_common(layer, delta, depth); }));
 }
 
 // h of the flakes of a species: one number for all colours, the least of theirs. `x` is the depth

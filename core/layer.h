@@ -54,11 +54,10 @@ struct Layer {
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   T rayleigh_depth;     // H (16 pi/3) c1
-  // Of hot_spot.h: c for each colour, H/D, and of each species its share of what all cover and its
-  // D, m.
+  // Of hot_spot.h: c for each colour, and of each species its share of what all cover, its D in m,
+  // and H/D.
   Rgb<T> shared_blocking;
-  T thickness_in_flakes;
-  std::array<T, kSpecies> hiding, diameters;
+  std::array<T, kSpecies> hiding, diameters, thickness_in_flakes;
   T haze;  // solid angle of tilts of the coat's facets, for each way through it
   DepthModel depth_model;
   Radiometry radiometry;
@@ -122,24 +121,22 @@ Layer<T> make_layer(const Paint& paint) {
   layer.species = 1;
   layer.coverage = 0;
   layer.shared_blocking = {};
-  T width = 0;
   for (int i = 0; i < kSpecies; ++i) {
     Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
     flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
     if (flakes.areal_density > 0) layer.species = i + 1;
     layer.coverage += flakes.coverage;
     layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes);
-    width = width + flakes.coverage * flakes.diameter;
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
   const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
   layer.binder_depth = (Rgb<T>(paint.binder_absorption_per_mm) + grey(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
-  layer.thickness_in_flakes = 0;
-  if (width > 0) layer.thickness_in_flakes = thickness_mm * T(0.001) * (layer.coverage / width);
   for (std::size_t i = 0; i < kSpecies; ++i) {
-    layer.hiding[i] = width > 0 ? layer.flakes[i].coverage / layer.coverage : T(0);
+    layer.hiding[i] = 0;
+    if (layer.coverage > 0) layer.hiding[i] = layer.flakes[i].coverage / layer.coverage;
     layer.diameters[i] = layer.flakes[i].diameter;
+    layer.thickness_in_flakes[i] = thickness_mm * T(0.001) / layer.diameters[i];
   }
   // Of two GGX densities convolved, those of the ways in and out, the peak is that of a disc of 3
   // pi alpha^2, 1.5 a way; their long tails take as much again from the flakes. The sparkles' mean

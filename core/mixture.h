@@ -249,8 +249,8 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           const T turned = 2 * cos_alpha / cos_exit * (2 * sqrt(h * (1 - h)));
           const T apart = sin_in * (1 / cos_in + 1 / cos_exit) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
-          const T w = flakes_apart(layer, sqrt(apart * apart + aside));
-          sum.in_common = sum.in_common + escaping * share_in_common(w, flakes_alone);
+          const T delta = sqrt(apart * apart + aside);
+          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
         }
       }
     }

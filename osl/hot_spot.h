@@ -33,9 +33,26 @@ color hidden_at_once(float one_way, color share)
   return color(one_way) + (1.0 - one_way) * (share * (color(1.0) - share));
 }
 
-float flakes_apart(Layer layer, float delta)
+color share_in_common(Layer layer, float delta, color x)
 {
-  return min(delta * layer.thickness_in_flakes, 1e9);
+  color sum = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), x);
+  if (layer.species > 1) {
+    sum = sum * layer.hiding[0];
+    for (int i = 1; i < layer.species; ++i)
+      sum = sum + layer.hiding[i] * share_in_common(min(delta * layer.thickness_in_flakes[i], 1e9), x);
+  }
+  return sum;
+}
+
+float share_in_common(Layer layer, float delta, float x)
+{
+  float sum = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), x);
+  if (layer.species > 1) {
+    sum = sum * layer.hiding[0];
+    for (int i = 1; i < layer.species; ++i)
+      sum = sum + layer.hiding[i] * share_in_common(min(delta * layer.thickness_in_flakes[i], 1e9), x);
+  }
+  return sum;
 }
 
 color less_in_common(Layer layer, color x, color share)
@@ -47,7 +64,7 @@ color there_and_back(Layer layer, color view_slant, color light_slant, float del
 {
   color x = view_slant + light_slant;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
-    x = less_in_common(layer, x, share_in_common(flakes_apart(layer, delta), x));
+    x = less_in_common(layer, x, share_in_common(layer, delta, x));
   return x;
 }
 

@@ -33,9 +33,9 @@ struct Layer {
   color binder_depth;
   float rayleigh_depth;
   color shared_blocking;
-  float thickness_in_flakes;
   color hiding;
   color diameters;
+  color thickness_in_flakes;
   float haze;
   int depth_model;
   int radiometry;
@@ -99,7 +99,6 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   layer.first = first;
   layer.coverage = first.coverage;
   layer.shared_blocking = shared_blocking_of(first, library);
-  float width = first.coverage * first.diameter;
   color covered = color(first.coverage, 0.0, 0.0);
   layer.diameters = color(first.diameter);
   if (present > 1) {
@@ -108,7 +107,6 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
         layer.species = i + 1;
       layer.coverage = layer.coverage + flakes[i].coverage;
       layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes[i], library);
-      width = width + flakes[i].coverage * flakes[i].diameter;
     }
     covered = color(first.coverage, flakes[1].coverage, flakes[2].coverage);
     layer.diameters = color(first.diameter, flakes[1].diameter, flakes[2].diameter);
@@ -117,12 +115,10 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   float thickness_mm = given.layer_thickness_um * 0.001;
   layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
   layer.rayleigh_depth = rayleigh * thickness_mm;
-  layer.thickness_in_flakes = 0.0;
   layer.hiding = color(0.0);
-  if (width > 0.0) {
-    layer.thickness_in_flakes = thickness_mm * 0.001 * (layer.coverage / width);
+  if (layer.coverage > 0.0)
     layer.hiding = covered / layer.coverage;
-  }
+  layer.thickness_in_flakes = color(thickness_mm * 0.001) / layer.diameters;
   float alpha = given.coat_roughness * given.coat_roughness;
   layer.haze = 3.0 * M_PI * (alpha * alpha);
   layer.depth_model = given.depth_model;

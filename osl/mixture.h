@@ -180,8 +180,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           float turned = 2.0 * cos_alpha / cos_exit * (2.0 * sqrt(h * (1.0 - h)));
           float apart = sin_in * (1.0 / cos_in + 1.0 / cos_exit) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
-          float w = flakes_apart(layer, sqrt(apart * apart + aside));
-          sum.in_common = sum.in_common + escaping * share_in_common(w, flakes_alone);
+          float delta = sqrt(apart * apart + aside);
+          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
         }
       }
     }

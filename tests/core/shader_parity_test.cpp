@@ -131,9 +131,12 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("binder_depth", shader.binder_depth, core.binder_depth);
   same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
   same("shared_blocking", shader.shared_blocking, core.shared_blocking);
-  same("thickness_in_flakes", shader.thickness_in_flakes, core.thickness_in_flakes);
-  same("hiding", shader.hiding, {core.hiding[0], core.hiding[1], core.hiding[2]});
-  same("diameters", shader.diameters, {core.diameters[0], core.diameters[1], core.diameters[2]});
+  const auto each = [](const std::array<float, kSpecies>& of) {
+    return Vec3<float>{of[0], of[1], of[2]};
+  };
+  same("hiding", shader.hiding, each(core.hiding));
+  same("diameters", shader.diameters, each(core.diameters));
+  same("thickness_in_flakes", shader.thickness_in_flakes, each(core.thickness_in_flakes));
   same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
   same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
   same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);

@@ -169,7 +169,13 @@ void tell_two(Random& random, const char* name, bool each) {
     const double mean = part * first + (1 - part) * second;
     const std::vector<Hiding> all = {{part, first / mean}, {1 - part, second / mean}};
     const double w = random.log_uniform(0.05, 3) / mean, x = 2 * c;
-    const double share = share_in_common(w, x);
+    double share = share_in_common(w, x);
+    if (each) {
+      share = 0;
+      for (const Hiding& hiding : all) {
+        share += hiding.share * share_in_common(w / hiding.diameter, x);
+      }
+    }
     double model = 0, exact = 0;
     for (const auto& [of, diameter] : all) {
       double one_way = hidden_one_way(diameter);
