@@ -210,7 +210,7 @@ def test_an_object_that_is_painted_by_hand_sees_the_lights(
     update()
     lamp.location.x = 7
     update()
-    path = addon("scene.carrier").path(1)
+    path = addon("scene.carrier").path(1, addon("scene.carrier").POSITIONED)
     for thing in (cube, painted):
         shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
         assert shown.path_resolve(path)[0] == 7

@@ -42,8 +42,8 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") 
 
 
 _LINKED = (
-    "The paints are linked from {}, which an earlier version saved: they cannot be edited and do "
-    "not see the lights of this file. Open and save it with this version, or append them."
+    "The paints are linked from {}: they cannot be edited and do not see the lights of this file. "
+    "Append them instead."
 )
 
 
