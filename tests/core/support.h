@@ -239,17 +239,15 @@ inline double fourth_moment_of_sum(double mean_count, int slots, double m1, doub
 
 // Sums of a deviate's powers about its known mean.
 struct Moments {
-  double centre = 0, n = 0, first = 0, second = 0, fourth = 0;
+  double centre = 0, n = 0, first = 0, second = 0;
   void add(double value) {
     const double d = value - centre;
     n += 1;
     first += d;
     second += d * d;
-    fourth += d * d * d * d;
   }
   double mean() const { return centre + first / n; }
   double variance() const { return second / n; }  // unbiased
-  double fourth_moment() const { return fourth / n; }
   double error_of_mean() const { return std::sqrt(variance() / n); }
 };
 
