@@ -48,6 +48,14 @@ LatticePoint<double> lattice_across(const OwnAxes& own, Vec3<double> normal, Ran
 }
 
 // The way v to the observer in the binder.
+// To an observer who sees the surface at this cosine at least.
+Vec3<double> view_above(Random& random, Vec3<double> normal, double least) {
+  Vec3<double> view;
+  do view = any_direction(random);
+  while (dot(view, normal) < least);
+  return view;
+}
+
 template <class T>
 Vec3<T> view_inside(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view) {
   const T cosine = std::min(dot(normal, view), T(1));
@@ -158,8 +166,7 @@ TEST(CloseUp, APointIsCoveredAsOftenAsThePoissonLawSays) {
     const Layer<double> layer = make_layer<double>(scene.paint);
     scene.normal = any_direction(random);
     const OwnAxes own = any_axes(random);
-    do scene.view = any_direction(random);
-    while (dot(scene.view, scene.normal) < 0.02);
+    scene.view = view_above(random, scene.normal, 0.02);
     const Vec3<double> inside = view_inside(layer, scene.normal, scene.view);
     const auto i = static_cast<std::size_t>(random.below(layer.species));
     Moments covered, depth;
@@ -252,8 +259,7 @@ TEST(CloseUp, FlakesThatTransmitAreSeenThrough) {
     const Layer<double> layer = make_layer<double>(scene.paint);
     scene.normal = any_direction(random);
     const OwnAxes own = any_axes(random);
-    do scene.view = any_direction(random);
-    while (dot(scene.view, scene.normal) < 0.2);
+    scene.view = view_above(random, scene.normal, 0.2);
     const Vec3<double> inside = view_inside(layer, scene.normal, scene.view);
     Moments uppermost;
     for (int spot = 0; spot < 20'000 && uppermost.n < 2'000; ++spot) {
@@ -283,8 +289,7 @@ TEST(CloseUp, TheMeanOfTheLobeIsTheClosedForms) {
     scene.paint = close_paint(random);
     const Layer<double> layer = make_layer<double>(scene.paint);
     scene.normal = any_direction(random);
-    do scene.view = any_direction(random);
-    while (dot(scene.view, scene.normal) < 0.02);
+    scene.view = view_above(random, scene.normal, 0.02);
     const OwnAxes own = any_axes(random);
     const Vec3<double> inside = view_inside(layer, scene.normal, scene.view);
     const double expected = channel(flake_albedo(layer, scene.normal, scene.view), k % 3);

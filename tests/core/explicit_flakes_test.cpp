@@ -179,8 +179,8 @@ void compare_radiances(Comparisons& comparisons, const ModelScene& made,
         independent::averaged(power * expected.slant.y - (power - 1) * expected.hidden) *
         std::pow(expected.mirror.y / expected.fill, power));
   };
-  const double fourth = fourth_moment_of_sum(expected.mean_count, 0, moment(1), moment(2),
-                                             moment(3), moment(4));
+  const double fourth =
+      fourth_moment_of_sum(expected.mean_count, 0, moment(1), moment(2), moment(3), moment(4));
   comparisons.variances.see(m.variance(), radiance_variance(expected).y, fourth, m.n, made.scene);
 }
 

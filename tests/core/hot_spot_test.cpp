@@ -79,10 +79,10 @@ TEST(HotSpot, SmallFlakesHideIndependently) {
 
 // Discs that hide one another, of the paints and angles for which hot_spot.h is made: what they
 // leave of a sparkle, over what the model does. Opaque or not, one species or two, of equal flakes
-// or spread. The model's own approximations have 3 % of the mean and 6 % of the mean square, 15 %
-// of several species, whose ways apart it counts in their mean width; chance the rest.
+// or spread. The model's own approximations have 3 % of the mean and 6 % of the mean square;
+// chance the rest.
 void expect_like_traced_discs(Random& random, int scenes) {
-  Worst worst, worst_square, worst_of_two;
+  Worst worst, worst_square;
   const double threshold = sidak_threshold(kFreshLevel, scenes);
   for (int k = 0; k < scenes;) {
     TestScene s;
@@ -146,12 +146,10 @@ void expect_like_traced_discs(Random& random, int scenes) {
       model += traced.sparkles[i] / sparkles * mean_transmittance(2 * x - hidden);
     }
     const double off_square = model / square - 1;
-    (layer.species > 1 ? worst_of_two : worst_square)
-        .see(std::max(std::fabs(off_square) - threshold * chance_of_square, 0.0), s);
+    worst_square.see(std::max(std::fabs(off_square) - threshold * chance_of_square, 0.0), s);
   }
   worst.expect_at_most(0.03, "mean");
   worst_square.expect_at_most(0.06, "mean square");
-  worst_of_two.expect_at_most(0.15, "mean square of two species");
 }
 
 TEST(HotSpot, LeavesWhatTracedDiscsLeave) {

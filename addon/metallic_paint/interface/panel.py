@@ -120,13 +120,22 @@ def _shows_in(screen: bpy.types.Screen | None) -> bool:
 
 
 class _MaterialPanel(_PaintPanel, bpy.types.Panel):
+    """Of materials with a paint, or of those without."""
+
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "material"
+    painted: bool
 
-
-def _is_painted(of: bpy.types.Material | None) -> bool:
-    return of is not None and (material.has_paint(of) or material.is_within_group(of))
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """With every render engine: the warning is for the others."""
+        thing = context.object
+        if thing is None or thing.type not in operators.PAINTABLE:
+            return False
+        of = operators.active_material(context)
+        has_paint = of is not None and (material.has_paint(of) or material.is_within_group(of))
+        return has_paint == cls.painted
 
 
 class MATERIAL_PT_metallic_paint(_MaterialPanel):
@@ -137,29 +146,13 @@ class MATERIAL_PT_metallic_paint(_MaterialPanel):
     """
 
     bl_options = {"HIDE_HEADER"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """With every render engine: the warning is for the others."""
-        thing = context.object
-        return (
-            thing is not None
-            and thing.type in operators.PAINTABLE
-            and _is_painted(operators.active_material(context))
-        )
+    painted = True
 
 
 class MATERIAL_PT_metallic_paint_new(_MaterialPanel):
     """The same at the foot of the tab, where it is in nobody's way, while there is no paint."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        thing = context.object
-        return (
-            thing is not None
-            and thing.type in operators.PAINTABLE
-            and not _is_painted(operators.active_material(context))
-        )
+    painted = False
 
 
 class SubPanel(bpy.types.Panel):

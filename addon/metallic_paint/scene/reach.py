@@ -13,10 +13,9 @@ import numpy as np
 from mathutils import Vector
 
 from . import sky
-from .sight import Seen
+from .sight import Seen, past, surfaces_on
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
-_THROUGH = 16  # surfaces on a ray that cast no shadow
 _HIDDEN = 0.99  # of the places: so little sparkles that one takes it for none
 _CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
 
@@ -128,17 +127,8 @@ def _first_shadow(
     lamp = light.lamp
     if lamp is not None and not lamp.data.use_shadow:
         return None
-    for _ in range(_THROUGH):
-        step = 1e-5 * max(origin.length, 1)
-        origin = origin + step * towards
-        distance -= step
-        if distance <= 0:
-            return None
-        hit, place, _, polygon, found, _ = scene.ray_cast(
-            layer.depsgraph, origin, towards, distance=distance
-        )
-        if not hit:
-            return None
+    start = past(origin, towards)
+    for found, polygon in surfaces_on(scene, layer, start, towards, distance):
         thing = found.original
         if (
             not thing.hide_render
@@ -147,8 +137,6 @@ def _first_shadow(
             and not _lets_light_pass(found, polygon)
         ):
             return thing
-        distance -= (place - origin).length
-        origin = place
     return None
 
 

@@ -24,7 +24,7 @@ _FEWEST_RAYS = 10
 _ALL_RAYS = 6400  # of a report, at the objects alone
 _VISITS = 250_000  # of objects, by a report's rays through the scene: about a quarter of a second
 _FEWEST_TESTS = 8  # rays through the scene for one object
-_THROUGH = 16  # surfaces that a ray may pass that no render shows
+_THROUGH = 16  # surfaces that a ray may pass
 
 
 class SightError(ValueError):
@@ -267,11 +267,34 @@ def _is_free(
     direction: Vector,
 ) -> bool:
     """Whether the object is the first on the ray that a render shows."""
-    for _ in range(_THROUGH):
-        hit, place, _, _, found, _ = scene.ray_cast(layer.depsgraph, origin, direction)
-        if not hit:
-            return False
+    for found, _ in surfaces_on(scene, layer, origin, direction):
         if not found.hide_render and found.visible_camera:
             return found.original == thing
-        origin = place + 1e-5 * max(place.length, 1) * direction
     return False
+
+
+def past(place: Vector, direction: Vector) -> Vector:
+    """Where a ray goes on behind a surface."""
+    return place + 1e-5 * max(place.length, 1) * direction
+
+
+def surfaces_on(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    origin: Vector,
+    direction: Vector,
+    distance: float = 1e9,
+) -> Iterator[tuple[bpy.types.Object, int]]:
+    """What a ray meets in turn, so far: the evaluated object and its polygon; 16 at most."""
+    end = origin + distance * direction
+    for _ in range(_THROUGH):
+        left = (end - origin).dot(direction)
+        if left <= 0:
+            return
+        hit, place, _, polygon, found, _ = scene.ray_cast(
+            layer.depsgraph, origin, direction, distance=left
+        )
+        if not hit:
+            return
+        yield found, polygon
+        origin = past(place, direction)
