@@ -265,38 +265,6 @@ class Walker {
   int component_ = kNothing;
 };
 
-// value(tally) summed over the batches, as a mean per photon times `scale`.
-template <class Value>
-Estimate estimate(const std::vector<Tally>& tallies, double scale, const Value& value) {
-  Rgb<double> sum{}, square{};
-  double photons = 0;
-  for (const Tally& tally : tallies) {
-    sum = sum + value(tally);
-    photons += static_cast<double>(tally.photons);
-  }
-  const Rgb<double> mean = sum / photons;
-  for (const Tally& tally : tallies) {
-    const Rgb<double> off = value(tally) / static_cast<double>(tally.photons) - mean;
-    square = square + off * off;
-  }
-  const double n = static_cast<double>(tallies.size());
-  return {mean * scale,
-          map(square, [&](double x) { return scale * std::sqrt(x / (n * (n - 1))); })};
-}
-
-template <class Parts>
-ByComponent by_component(const std::vector<Tally>& tallies, double scale, const Parts& parts) {
-  ByComponent all;
-  for (std::size_t c = 0; c < kComponents; ++c) {
-    all.part[c] = estimate(tallies, scale, [&](const Tally& t) { return parts(t)[c]; });
-  }
-  all.total = estimate(tallies, scale, [&](const Tally& t) {
-    const auto& part = parts(t);
-    return part[single_flake] + part[substrate] + part[mixture];
-  });
-  return all;
-}
-
 void require_above(const std::string& field, double z) {
   if (!(z > 0)) reject(field + ".z", z, "above 0: above the surface");
 }

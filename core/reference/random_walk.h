@@ -10,13 +10,13 @@
 // radiometry do not matter here.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stop_token>
 #include <vector>
 
 #include "../paint.h"
+#include "estimate.h"
 
 namespace metallic_paint::reference {
 
@@ -30,25 +30,6 @@ struct WalkScene {
   // to 2 pi; at most 16384 bins. Both zero: none.
   int theta_bins = 0, phi_bins = 0;
   std::uint64_t seed = 0;
-};
-
-// Mean and its standard error, from the means of 256 batches.
-struct Estimate {
-  Rgb<double> mean{}, error{};
-};
-
-// What a photon met on its way, besides flakes that let it straight through.
-enum Component {
-  single_flake = 0,  // mirrored by one flake
-  substrate = 1,     // scattered once by the substrate
-  mixture = 2        // everything else
-};
-inline constexpr int kComponents = 3;
-
-// total is the sum of the components, with its own error.
-struct ByComponent {
-  std::array<Estimate, kComponents> part;
-  Estimate total;
 };
 
 struct WalkResult {

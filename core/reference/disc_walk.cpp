@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "disc_walk.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "../parallel.h"
+#include "../validation.h"
+#include "disc_layer.h"
+#include "flake_plane.h"
+#include "optics.h"
+#include "population.h"
+#include "random.h"
+#include "random_walk.h"
+#include "work.h"
+
+namespace metallic_paint::reference {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// Below this weight a photon goes on with a probability in proportion to its weight.
+constexpr double kRouletteWeight = 1e-3;
+// A way that is flatter ends at surface or substrate as if it had this slope.
+constexpr double kLeastSlope = 1e-6;
+constexpr std::size_t kMostDetectors = 4096;
+constexpr double kLeastFlakes = 2048, kMostFlakes = 1e7;
+
+// Directions within an angle of a unit vector, outside.
+struct Cone {
+  Vec3<double> axis;
+  double radius;
+
+  // Evenly by solid angle.
+  Vec3<double> sample(RandomStream& random) const {
+    const double drop = 2 * square(std::sin(radius / 2)) * random();  // 1 - cosine
+    const double sine = std::sqrt(drop * (2 - drop)), phi = 2 * kPi * random();
+    const Frame frame = frame_of(axis);
+    return axis * (1 - drop) + (frame.a * std::cos(phi) + frame.b * std::sin(phi)) * sine;
+  }
+  double solid_angle() const { return 4 * kPi * square(std::sin(radius / 2)); }
+  // Integral of cos(theta) over a cone that lies above the horizon.
+  double projected_solid_angle() const { return kPi * square(std::sin(radius)) * axis.z; }
+};
+
+struct Medium {
+  std::vector<Population> flakes;
+  double thickness_um, rayleigh;
+  Rgb<double> absorption;
+  double eta, side;
+  Cone light;
+  std::vector<Cone> detectors{};
+
+  explicit Medium(const DiscScene& scene);
+};
+
+// The side of the box. A species of no flakes has no part in it.
+double box_side(const DiscScene& scene) {
+  const double thickness_m = scene.paint.layer_thickness_um * 1e-6;
+  double widest = 0;
+  for (int i = 0; i < kSpecies; ++i) {
+    const FlakeSpecies& flakes = scene.paint.species(i);
+    if (flakes.flakes_per_mm2 > 0) widest = std::max(widest, 2 * largest_radius(flakes));
+  }
+  const double side = scene.box * std::max(1.0, widest / thickness_m);
+  const double density = flakes_per_m2(scene.paint) * square(thickness_m);
+  return density > 0 ? std::max(side, std::sqrt(kLeastFlakes / density)) : side;
+}
+
+Vec3<double> unit(Vec3<double> v) { return v / length(v); }
+
+Medium::Medium(const DiscScene& scene)
+    : flakes(populations(scene.paint)),
+      thickness_um(scene.paint.layer_thickness_um),
+      rayleigh(rayleigh_depth(scene.paint)),
+      absorption(absorption_depth(scene.paint)),
+      eta(scene.paint.binder_ior),
+      side(box_side(scene)),
+      light{unit(scene.light), scene.light_radius} {
+  for (const Vec3<double>& o : scene.detectors)
+    detectors.push_back({unit(o), scene.detector_radius});
+}
+
+// The sums of one batch of photons.
+struct Tally {
+  std::array<Rgb<double>, kComponents> albedo{};
+  Rgb<double> specular{}, absorbed{}, truncated{};
+  std::size_t photons = 0, steps = 0;
+  std::vector<std::array<Rgb<double>, kComponents>> brdf;
+};
+
+// The part of a way from `z` with this slope that lies in the layer itself, by its distances.
+struct Stretch {
+  double enter, leave;
+  Stretch(double z, double slope, double end) {
+    const double a = -z / slope, b = (-1 - z) / slope;
+    enter = std::max(std::min(a, b), 0.0);
+    leave = std::max(std::min(std::max(a, b), end), enter);
+  }
+  double until(double distance) const { return std::clamp(distance, enter, leave) - enter; }
+};
+
+class Walker {
+ public:
+  Walker(const Medium& medium, const DiscScene& scene, std::size_t batch,
+         const std::stop_token& stop)
+      : medium_(medium),
+        scene_(scene),
+        stop_(stop),
+        random_(RandomStream(scene.seed).substream(batch)),
+        layer_(medium.flakes, medium.thickness_um, medium.side, random_.substream(0)) {
+    tally_.brdf.resize(medium.detectors.size());
+  }
+
+  Tally walk(std::size_t photons) {
+    tally_.photons = photons;
+    for (std::size_t i = 0; i < photons && !stop_.stop_requested(); ++i) walk();
+    return tally_;
+  }
+
+ private:
+  // One photon, from outside.
+  void walk() {
+    // Of an evenly bright cone by the projected solid angle.
+    Vec3<double> from = medium_.light.axis;
+    if (medium_.light.radius > 0) {
+      do from = medium_.light.sample(random_);
+      while (random_() * std::min(medium_.light.axis.z + medium_.light.radius, 1.0) > from.z);
+    }
+    direction_ = refracted(from, medium_.eta) * -1.0;
+    const double mirrored = fresnel_reflectance(from.z, -direction_.z, medium_.eta);
+    tally_.specular = tally_.specular + grey(mirrored);
+    if (direction_.z == 0) return;
+    weight_ = grey(1 - mirrored);
+    position_ = {layer_.side * random_(), layer_.side * random_(), layer_.top};
+    last_ = kNoDisc;
+    component_ = kNothing;
+    for (std::size_t i = 0; i < kMostScatterings; ++i) {
+      ++tally_.steps;
+      if (stop_.stop_requested() || !step() || !survives()) return;
+    }
+    tally_.truncated = tally_.truncated + weight_;
+  }
+
+  // How far it is to surface or substrate.
+  double to_boundary(Vec3<double> d) const {
+    const double height = d.z > 0 ? layer_.top - position_.z : position_.z - layer_.bottom;
+    return std::max(height, 0.0) / std::max(std::abs(d.z), kLeastSlope);
+  }
+
+  Stretch in_layer(Vec3<double> d, double end) const {
+    return {position_.z, std::copysign(std::max(std::abs(d.z), kLeastSlope), d.z), end};
+  }
+
+  // To the next event; false where the photon ends.
+  bool step() {
+    const double end = to_boundary(direction_);
+    const Stretch stretch = in_layer(direction_, end);
+    double limit = end;
+    if (medium_.rayleigh > 0) {
+      const double free_path = -std::log1p(-random_()) / medium_.rayleigh;
+      if (free_path < stretch.leave - stretch.enter) limit = stretch.enter + free_path;
+    }
+    const DiscLayer::Hit hit = layer_.first(position_, direction_, limit, last_);
+    const double way = hit.disc != nullptr ? hit.distance : limit;
+    // Absorption by weight: free paths are the same for all colours.
+    if (max_component(medium_.absorption) > 0) {
+      const double path = stretch.until(way);
+      keep(map(medium_.absorption, [&](double k) { return std::exp(-k * path); }));
+    }
+    position_ = layer_.wrapped(position_ + direction_ * way);
+    position_.z = std::clamp(position_.z, layer_.bottom, layer_.top);
+    if (hit.disc != nullptr) return meet_flake(*hit.disc);
+    last_ = kNoDisc;
+    if (limit < end) return meet_pigment();
+    return direction_.z > 0 ? meet_surface() : meet_substrate();
+  }
+
+  // The rest is absorbed.
+  void keep(Rgb<double> share) {
+    tally_.absorbed = tally_.absorbed + weight_ * (grey(1.0) - share);
+    weight_ = weight_ * share;
+  }
+
+  bool survives() {
+    const double largest = max_component(weight_);
+    if (largest >= kRouletteWeight) return true;
+    if (!(random_() * kRouletteWeight < largest)) return false;
+    weight_ = weight_ * (kRouletteWeight / largest);
+    return true;
+  }
+
+  bool meet_surface() {
+    position_.z = layer_.top;
+    const double eta = medium_.eta;
+    const double cos_out = refracted_cosine(direction_.z, 1 / eta);
+    if (random_() < fresnel_reflectance(direction_.z, cos_out, 1 / eta)) {
+      direction_.z = -direction_.z;
+      return true;
+    }
+    const auto part = static_cast<std::size_t>(component_);
+    tally_.albedo[part] = tally_.albedo[part] + weight_;
+    if (!joined_) {
+      const Vec3<double> out{direction_.x * eta, direction_.y * eta, cos_out};
+      for (std::size_t i = 0; i < medium_.detectors.size(); ++i) {
+        const Cone& to = medium_.detectors[i];
+        const Vec3<double> off = out - to.axis;
+        if (dot(off, off) > 4 * square(std::sin(to.radius / 2))) continue;
+        Rgb<double>& sum = tally_.brdf[i][part];
+        sum = sum + weight_ / to.projected_solid_angle();
+      }
+    }
+    return false;
+  }
+
+  bool meet_substrate() {
+    position_.z = layer_.bottom;
+    keep(scene_.substrate);
+    component_ = with(substrate);
+    see([](Vec3<double> o) { return o.z / kPi; });
+    const double r2 = random_(), phi = 2 * kPi * random_();
+    const double r = std::sqrt(r2);
+    direction_ = {r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r2)};
+    return true;
+  }
+
+  // Rayleigh.
+  bool meet_pigment() {
+    component_ = mixture;
+    const auto phase = [this](Vec3<double> o) {
+      const double cosine = dot(o, direction_);
+      return 3 / (16 * kPi) * (1 + cosine * cosine);
+    };
+    see(phase);
+    Vec3<double> d;
+    do {
+      const double z = 2 * random_() - 1, phi = 2 * kPi * random_();
+      const double sine = std::sqrt((1 - z) * (1 + z));
+      d = {sine * std::cos(phi), sine * std::sin(phi), z};
+    } while (random_() * 3 / (8 * kPi) >= phase(d));
+    direction_ = d;
+    return true;
+  }
+
+  bool meet_flake(const Disc& disc) {
+    last_ = disc.index;
+    const FlakeSpecies& flakes = medium_.flakes[disc.species].flakes;
+    const double cosine = dot(direction_, disc.normal);
+    const Rgb<double> mirrored = weight_ * flake_reflectance(flakes, std::abs(cosine));
+    const Rgb<double> passed = weight_ * flake_transmittance(flakes, std::abs(cosine));
+    tally_.absorbed = tally_.absorbed + (weight_ - mirrored - passed);
+    // Either way at random, by the sum over the colours: that sum then stays the same.
+    const double mirrored_sum = mirrored.x + mirrored.y + mirrored.z;
+    const double sum = mirrored_sum + (passed.x + passed.y + passed.z);
+    if (!(sum > 0)) return false;
+    const double probability = mirrored_sum / sum;
+    if (random_() < probability) {
+      weight_ = mirrored / probability;
+      direction_ = unit(direction_ - disc.normal * (2 * cosine));
+      component_ = with(single_flake);
+      joined_ = false;
+    } else {
+      weight_ = passed / (1 - probability);
+    }
+    return true;
+  }
+
+  // What the photon's way becomes by one more scattering.
+  int with(int scattering) const { return component_ == kNothing ? scattering : mixture; }
+
+  // Next-event estimate: the light that this scattering sends straight to a point of each cone.
+  template <class Phase>
+  void see(const Phase& phase) {
+    joined_ = true;
+    for (std::size_t i = 0; i < medium_.detectors.size(); ++i) {
+      const Cone& to = medium_.detectors[i];
+      const Vec3<double> out = to.sample(random_);
+      const Vec3<double> in = refracted(out, medium_.eta);
+      if (!(in.z > 0)) continue;
+      const double end = to_boundary(in);
+      const double path = in_layer(in, end).until(end);
+      Rgb<double> kept = map(medium_.absorption + grey(medium_.rayleigh),
+                             [&](double k) { return std::exp(-k * path); });
+      layer_.each(position_, in, end, kNoDisc, [&](const Disc& disc) {
+        const FlakeSpecies& flakes = medium_.flakes[disc.species].flakes;
+        kept = kept * flake_transmittance(flakes, std::abs(dot(disc.normal, in)));
+        return max_component(kept) > 0;
+      });
+      if (!(max_component(kept) > 0)) continue;
+      // As a detector of the walk, (1 - r)/(eta^2 cos_in), over the cone by cos(theta).
+      const double passed = 1 - fresnel_reflectance(out.z, in.z, medium_.eta);
+      const double factor = passed / (medium_.eta * medium_.eta * in.z) * out.z * to.solid_angle() /
+                            to.projected_solid_angle();
+      Rgb<double>& sum = tally_.brdf[i][static_cast<std::size_t>(component_)];
+      sum = sum + weight_ * kept * (phase(in) * factor);
+    }
+  }
+
+  static constexpr int kNothing = -1;
+
+  const Medium& medium_;
+  const DiscScene& scene_;
+  const std::stop_token& stop_;
+  Tally tally_;
+  RandomStream random_;
+  DiscLayer layer_;
+  Vec3<double> position_{}, direction_{};
+  Rgb<double> weight_{};
+  int component_ = kNothing;
+  // Whether the last scattering was joined to the detectors: it is not counted besides. What the
+  // surface sends back is scattered again before it leaves.
+  bool joined_ = false;
+  std::uint32_t last_ = kNoDisc;  // the disc that the photon comes from
+};
+
+void require_cone(const std::string& field, const Vec3<double>& axis, double radius) {
+  require_unit(field, axis);
+  const double height = std::asin(std::clamp(axis.z / length(axis), -1.0, 1.0));
+  if (!(height > 0 && height >= radius)) {
+    reject(field + ".z", axis.z, "such that the cone about it lies above the surface");
+  }
+}
+
+void require_whole(const std::string& field, double value, double least, double most) {
+  if (value < least || value > most) {
+    reject(field, text(value), "from " + text(least) + " to " + text(most));
+  }
+}
+
+}  // namespace
+
+void validate(const DiscScene& scene) {
+  metallic_paint::validate(scene.paint);
+  const double thickness = scene.paint.layer_thickness_um;
+  if (!(thickness > 0)) reject("layer_thickness_um", thickness, "above 0 for finite flakes");
+  require_colour("substrate", scene.substrate, 1);
+  require_range("light_radius", scene.light_radius, 0, 0.5, " rad");
+  require_cone("light", scene.light, scene.light_radius);
+  if (scene.detectors.size() > kMostDetectors) {
+    reject("number of detectors", std::to_string(scene.detectors.size()),
+           "at most " + std::to_string(kMostDetectors));
+  }
+  require_range("detector_radius", scene.detector_radius, 0, 0.5, " rad");
+  if (!(scene.detector_radius > 0)) {
+    reject("detector_radius", scene.detector_radius, "above 0 rad");
+  }
+  for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
+    require_cone(at_row("detectors", i), scene.detectors[i], scene.detector_radius);
+  }
+  const auto photons = static_cast<double>(scene.photons);
+  require_whole("photons", photons, 2, 1e12);
+  require_whole("layers", static_cast<double>(scene.layers), 2, std::min(photons, 65536.0));
+  require_range("box", scene.box, 2, 1000);
+  const double flakes = flakes_per_m2(scene.paint) * square(thickness * 1e-6 * box_side(scene));
+  if (flakes > kMostFlakes) {
+    reject("number of flakes in the box", text(flakes, 3), "at most " + text(kMostFlakes));
+  }
+  const double steps = most_steps_of_a_photon(scene.paint);
+  require_steps("photons x (1 + number of detectors) x " + text(steps, 3) + " steps + flakes",
+                photons * static_cast<double>(1 + scene.detectors.size()) * steps +
+                    flakes * static_cast<double>(scene.layers));
+}
+
+DiscResult trace_discs(const DiscScene& scene, const std::stop_token& stop) {
+  validate(scene);
+  const Medium medium(scene);
+  std::vector<Tally> tallies(scene.layers);
+  const auto walk_batch = [&](std::size_t i) {
+    const auto until = [&](std::size_t batches) {
+      return static_cast<std::size_t>(static_cast<double>(scene.photons) *
+                                      static_cast<double>(batches) /
+                                      static_cast<double>(scene.layers));
+    };
+    tallies[i] = Walker(medium, scene, i, stop).walk(until(i + 1) - until(i));
+  };
+  parallel_for(scene.layers, walk_batch, 1, stop);
+  DiscResult result;
+  if (stop.stop_requested()) return result;
+  const auto share = [&](const auto& value) { return estimate(tallies, 1, value); };
+  result.specular = share([](const Tally& t) { return t.specular; });
+  result.absorbed = share([](const Tally& t) { return t.absorbed; });
+  result.truncated = share([](const Tally& t) { return t.truncated; });
+  result.albedo = by_component(tallies, 1, [](const Tally& t) { return t.albedo; });
+  for (std::size_t i = 0; i < medium.detectors.size(); ++i) {
+    result.brdf.push_back(by_component(tallies, 1, [i](const Tally& t) { return t.brdf[i]; }));
+  }
+  for (const Tally& tally : tallies) result.steps += tally.steps;
+  return result;
+}
+
+}  // namespace metallic_paint::reference

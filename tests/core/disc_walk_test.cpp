@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Photons among finite flakes against what is known without them: energy, reciprocity, the random
+// walk as the limit of small flakes, and the traced discs' single mirroring. Statistical tests have
+// the level 1e-6 over all comparisons of a test, and other layers in each run.
+#include "reference/disc_walk.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "reference/explicit_flakes.h"
+#include "reference/random_walk.h"
+#include "support.h"
+
+namespace core_tests {
+namespace {
+
+using metallic_paint::FlakeSpecies;
+using metallic_paint::grey;
+using metallic_paint::Orientation;
+using metallic_paint::Paint;
+using metallic_paint::Rgb;
+using metallic_paint::Vec3;
+using metallic_paint::reference::ByComponent;
+using metallic_paint::reference::DiscResult;
+using metallic_paint::reference::DiscScene;
+using metallic_paint::reference::Estimate;
+namespace reference = metallic_paint::reference;
+
+constexpr double kPi = std::numbers::pi;
+
+// Student's deviate for the normal one, as in random_walk_test.cpp.
+double student_threshold(double tests, double batches) {
+  const double z = sidak_threshold(kFreshLevel, tests);
+  return z * (1 + (z * z + 1) / (4 * (batches - 1)));
+}
+
+double channel(Rgb<double> v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
+
+Vec3<double> direction(double degrees, double phi = 0) {
+  const double theta = degrees * kPi / 180;
+  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+// The largest deviation in standard errors, beyond `slack`, a share of what is expected.
+void see(Worst& worst, Estimate value, Estimate expected, const std::string& where,
+         double slack = 0) {
+  for (int i = 0; i < 3; ++i) {
+    const double a = channel(value.mean, i), b = channel(expected.mean, i);
+    const double off = std::fabs(a - b) - slack * std::fabs(b);
+    if (off <= 1e-12) {
+      worst.see(0, "at", where);
+      continue;
+    }
+    const double error = std::hypot(channel(value.error, i), channel(expected.error, i));
+    worst.see(off / error, "at", where, "channel", i, "value", a, "expected", b);
+  }
+}
+
+// Flakes of the diameter (over the thickness) that cover so much; no spread of their areas.
+void cover(FlakeSpecies& flakes, double thickness_um, double diameter, double coverage) {
+  flakes.flake_diameter_um = diameter * thickness_um;
+  flakes.flake_area_spread = 0;
+  flakes.flakes_per_mm2 =
+      coverage * 4e6 / (kPi * flakes.flake_diameter_um * flakes.flake_diameter_um);
+}
+
+// Two species in a coloured binder with pigment.
+Paint full_paint(double diameter) {
+  Paint paint;
+  paint.layer_thickness_um = 40;
+  cover(paint, 40, diameter, 0.7);
+  paint.orientation = Orientation::ggx;
+  paint.tilt = 0.5;
+  paint.flake_color = {0.6, 0.75, 0.9};
+  paint.flake_edge_color = {0.65, 0.75, 0.9};
+  paint.flake_transmission = {0.3, 0.2, 0};
+  FlakeSpecies& more = paint.more[0];
+  cover(more, 40, diameter, 0.3);
+  more.orientation = Orientation::gaussian;
+  more.tilt = 0.4;
+  more.flake_color = more.flake_edge_color = {0.9, 0.5, 0.3};
+  paint.binder_ior = 1.5;
+  paint.binder_absorption_per_mm = {0, 2, 5};
+  paint.rayleigh_per_mm = 0.2;
+  return paint;
+}
+
+// What both ways share falls with D/H (hot_spot.h), so the limit is reached along a line: twice the
+// result of small flakes less that of flakes twice as wide.
+TEST(DiscWalk, SmallFlakesWalkAtRandom) {
+  constexpr double kDiameter = 0.03;
+  DiscScene scene;
+  scene.light = direction(50);
+  scene.detectors = {direction(10, kPi), direction(40, kPi), direction(60, 1), direction(75, 2)};
+  scene.detector_radius = 0.07;
+  scene.photons = 150'000 / kFewer;
+  scene.layers = 32;
+  scene.box = 4;
+  const auto at = [&](double diameter) {
+    scene.paint = full_paint(diameter);
+    ++scene.seed;
+    return reference::trace_discs(scene);
+  };
+  scene.seed = run_seed();
+  const DiscResult small = at(kDiameter), wide = at(2 * kDiameter);
+
+  reference::WalkScene random;
+  random.paint = scene.paint;
+  random.substrate = scene.substrate;
+  random.light = scene.light;
+  random.detectors = scene.detectors;
+  random.photons = scene.photons;
+  random.seed = run_seed();
+  const reference::WalkResult walked = reference::walk(random);
+
+  const auto limit = [](const Estimate& a, const Estimate& b) {
+    const auto both = [](double x, double y) { return std::hypot(2 * x, y); };
+    return Estimate{
+        a.mean * 2.0 - b.mean,
+        {both(a.error.x, b.error.x), both(a.error.y, b.error.y), both(a.error.z, b.error.z)}};
+  };
+  Worst shares, seen;
+  EXPECT_NEAR(small.specular.mean.x, walked.specular, 1e-12);
+  see(shares, limit(small.absorbed, wide.absorbed), walked.absorbed, "absorbed");
+  for (std::size_t c = 0; c <= reference::kComponents; ++c) {
+    const auto of = [&](const ByComponent& all) {
+      return c < reference::kComponents ? all.part[c] : all.total;
+    };
+    const std::string part = "part " + std::to_string(c);
+    see(shares, limit(of(small.albedo), of(wide.albedo)), of(walked.albedo), part);
+    for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
+      // The cone's mean differs from its middle by (radius^2/8) laplace(f): tilts of 0.4 in the
+      // binder bend f, seen outside, by 1/(2 * 0.4)^2 or so.
+      see(seen, limit(of(small.brdf[i]), of(wide.brdf[i])), of(walked.brdf[i]),
+          part + " of detector " + std::to_string(i), 2e-3);
+    }
+  }
+  const double parts = 3 * (reference::kComponents + 1);
+  shares.expect_at_most(student_threshold(parts + 3, 32), "shares");
+  seen.expect_at_most(student_threshold(parts * 4, 32), "seen");
+}
+
+// Each photon keeps its weight, however many flakes it meets.
+TEST(DiscWalk, LosesNothingInAWhiteFurnace) {
+  Random random = fresh(701);
+  Worst worst;
+  for (int k = 0; k < 40; ++k) {
+    DiscScene scene;
+    Paint& paint = scene.paint;
+    paint.layer_thickness_um = random.log_uniform(5, 200);
+    cover(paint, paint.layer_thickness_um, random.log_uniform(0.1, 8), random.log_uniform(0.02, 4));
+    paint.flake_area_spread = random.uniform(0, 0.5);
+    paint.orientation = static_cast<Orientation>(random.below(3));
+    paint.tilt = random.log_uniform(0.01, 0.8);
+    const double passed = random.below(2) == 0 ? 0 : random.uniform(0, 1);
+    paint.flake_color = paint.flake_edge_color = grey(1 - passed);
+    paint.flake_transmission = grey(passed);
+    paint.binder_ior = random.uniform(1, 2);
+    paint.rayleigh_per_mm = random.below(2) == 0 ? 0 : random.log_uniform(0.01, 3);
+    scene.substrate = grey(1.0);
+    scene.light = direction(random.uniform(0, 85));
+    scene.light_radius = random.below(2) == 0 ? 0 : 0.05;
+    scene.photons = 400;
+    scene.layers = 2;
+    scene.seed = random.bits();
+    const DiscResult result = reference::trace_discs(scene);
+    for (int i = 0; i < 3; ++i) {
+      const double all = channel(result.specular.mean, i) + channel(result.albedo.total.mean, i);
+      worst.see(std::fabs(all - 1), "scene", k);
+      worst.see(std::fabs(channel(result.absorbed.mean, i)), "scene", k);
+    }
+  }
+  worst.expect_at_most(1e-11);
+}
+
+// Finite flakes of two species, cones of light and of view.
+TEST(DiscWalk, LightAndDetectorMayChangePlaces) {
+  constexpr std::size_t kLayers = 96;
+  const std::vector<Vec3<double>> places{direction(20, 1), direction(50, 4), direction(75, 2.4)};
+  DiscScene scene;
+  scene.paint = full_paint(1);
+  scene.detectors = places;
+  scene.light_radius = scene.detector_radius = 0.12;
+  scene.photons = 150'000 / kFewer;
+  scene.layers = kLayers;
+  std::vector<DiscResult> results;
+  for (const Vec3<double>& light : places) {
+    scene.light = light;
+    scene.seed = run_seed() + results.size();
+    results.push_back(reference::trace_discs(scene));
+  }
+  Worst worst;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const ByComponent &a = results[i].brdf[j], &b = results[j].brdf[i];
+      const std::string where = std::to_string(i) + " and " + std::to_string(j);
+      see(worst, a.total, b.total, where);
+      for (std::size_t c = 0; c < reference::kComponents; ++c) {
+        see(worst, a.part[c], b.part[c], where + ", part " + std::to_string(c));
+      }
+    }
+  }
+  worst.expect_at_most(student_threshold(3 * 3 * 4, kLayers));
+}
+
+// One mirroring between discs, there by the points of each sparkling flake that are free both ways.
+// There the light is a cone, E its irradiance on a plane normal to it; here it is the detector, by
+// the reciprocity above: T 4 pi sin^2(r/2) = f pi sin^2(r) cos. What sticks out of the layer hides
+// nothing there, which the small tilt keeps below 1 %.
+TEST(DiscWalk, SingleMirroringIsThatOfTracedDiscs) {
+  constexpr std::size_t kLayers = 64, kPixels = 256;
+  constexpr double kRadius = 0.06;
+  const struct {
+    double diameter, coverage, degrees;
+  } cases[] = {{0.3, 0.5, 20}, {1, 2, 20}, {1, 1, 60}, {3, 1, 40}};
+  Worst worst;
+  for (const auto& [diameter, coverage, degrees] : cases) {
+    reference::ExplicitScene traced;
+    Paint& paint = traced.paint;
+    cover(paint, paint.layer_thickness_um, diameter, coverage);
+    paint.tilt = 0.02;
+    paint.flake_spread = 0;
+    paint.diffraction = metallic_paint::Diffraction::none;
+    paint.flake_transmission = {};
+    traced.view = direction(degrees);
+    traced.light = direction(degrees, kPi);
+    traced.light_radius = kRadius;
+    traced.pixels = kPixels;
+    // 40 flakes of each pixel sparkle or not.
+    traced.footprint = 200 / (paint.flakes_per_mm2 * 1e6);
+    traced.seed = run_seed();
+    const reference::ExplicitResult flakes = reference::trace_explicit_flakes(traced);
+    std::vector<Rgb<double>> pixels = flakes.radiance;
+    Rgb<double> mean{}, square{};
+    for (const Rgb<double>& pixel : pixels) mean = mean + pixel / double(kPixels);
+    for (const Rgb<double>& pixel : pixels) square = square + (pixel - mean) * (pixel - mean);
+    const Estimate expected{mean, map(square, [](double x) { return std::sqrt(x) / kPixels; })};
+
+    DiscScene scene;
+    scene.paint = paint;
+    scene.light = traced.view;
+    scene.detectors = {traced.light};
+    scene.detector_radius = kRadius;
+    scene.photons = 60'000 / kFewer;
+    scene.layers = kLayers;
+    scene.seed = run_seed();
+    Estimate found = reference::trace_discs(scene).brdf[0].part[reference::single_flake];
+    const double unit = std::pow(std::sin(kRadius) / (2 * std::sin(kRadius / 2)), 2) *
+                        std::cos(degrees * kPi / 180);
+    found = {found.mean * unit, found.error * unit};
+    see(worst, found, expected,
+        "D/H " + std::to_string(diameter) + " coverage " + std::to_string(coverage), 0.01);
+  }
+  worst.expect_at_most(student_threshold(3 * std::size(cases), kLayers));
+}
+
+// Nothing but the substrate: Lambert's law under a smooth surface, in closed form.
+TEST(DiscWalk, RepeatsItselfAndTakesNoFlakes) {
+  DiscScene scene;
+  scene.paint.flakes_per_mm2 = 0;
+  scene.paint.binder_ior = 1;
+  scene.detectors = {direction(30)};
+  scene.photons = 20'000;
+  scene.layers = 8;
+  const DiscResult a = reference::trace_discs(scene), b = reference::trace_discs(scene);
+  EXPECT_NEAR(a.brdf[0].total.mean.x, 0.8 / kPi, 1e-3);
+  EXPECT_EQ(a.brdf[0].total.mean.x, b.brdf[0].total.mean.x);
+  EXPECT_NEAR(a.albedo.part[reference::substrate].mean.x, 0.8, 1e-12);
+  scene.paint.flakes_per_mm2 = 3000;
+  const double before = reference::trace_discs(scene).albedo.total.mean.x;
+  scene.seed = 1;
+  EXPECT_NE(before, reference::trace_discs(scene).albedo.total.mean.x);
+}
+
+TEST(DiscWalk, ExtremePaintsGiveFiniteNumbers) {
+  Random random = fresh(702);
+  for (int k = 0; k < 60; ++k) {
+    DiscScene scene;
+    Paint& paint = scene.paint;
+    const auto one_of = [&](std::vector<double> values) {
+      return values[static_cast<std::size_t>(random.below(static_cast<int>(values.size())))];
+    };
+    paint.orientation = static_cast<Orientation>(random.below(3));
+    paint.layer_thickness_um = one_of({1, 30, 1e3});
+    cover(paint, paint.layer_thickness_um, one_of({0.3, 1, 100}), one_of({1e-9, 0.01, 1, 10}));
+    paint.tilt = one_of({1e-6, 0.1, 1});
+    paint.flake_area_spread = one_of({0, 1});
+    paint.binder_ior = one_of({0.5, 1, 1 + 1e-9, 3});
+    paint.binder_absorption_per_mm = grey(one_of({0, 1e6}));
+    paint.rayleigh_per_mm = one_of({0, 1});
+    scene.substrate = grey(one_of({0, 1}));
+    scene.light = direction(one_of({0, 5, 45, 89.9}));
+    scene.detectors = {direction(0), direction(88, 2)};
+    scene.detector_radius = 0.02;
+    scene.photons = 40;
+    scene.layers = 2;
+    scene.seed = random.bits();
+    const DiscResult result = reference::trace_discs(scene);
+    EXPECT_TRUE(std::isfinite(result.albedo.total.mean.x)) << "scene " << k;
+    EXPECT_TRUE(std::isfinite(result.absorbed.mean.x)) << "scene " << k;
+    for (const ByComponent& brdf : result.brdf) {
+      EXPECT_TRUE(brdf.total.mean.x >= 0 && std::isfinite(brdf.total.mean.x)) << "scene " << k;
+    }
+  }
+}
+
+TEST(DiscWalk, RejectsScenesThatAreNone) {
+  const auto expect_rejected = [](const std::string& field, const auto& change) {
+    DiscScene scene;
+    change(scene);
+    try {
+      reference::validate(scene);
+      ADD_FAILURE() << field << " passed";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(field), std::string::npos) << error.what();
+    }
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  reference::validate(DiscScene{});
+  expect_rejected("tilt", [](DiscScene& s) { s.paint.tilt = 0; });
+  expect_rejected("layer_thickness_um", [](DiscScene& s) { s.paint.layer_thickness_um = 0; });
+  expect_rejected("substrate.b", [=](DiscScene& s) { s.substrate.z = nan; });
+  expect_rejected("light", [](DiscScene& s) { s.light = {0, 0, 2}; });
+  expect_rejected("light.z", [](DiscScene& s) { s.light = {1, 0, 0}; });
+  expect_rejected("light.z", [](DiscScene& s) { s.light = direction(89), s.light_radius = 0.1; });
+  expect_rejected("light_radius", [=](DiscScene& s) { s.light_radius = nan; });
+  expect_rejected("detector_radius", [](DiscScene& s) { s.detector_radius = 0; });
+  expect_rejected("detectors[1].z", [](DiscScene& s) { s.detectors = {{0, 0, 1}, {0, 0, -1}}; });
+  expect_rejected("number of detectors", [](DiscScene& s) { s.detectors.resize(4097, {0, 0, 1}); });
+  expect_rejected("photons", [](DiscScene& s) { s.photons = 1; });
+  expect_rejected("layers", [](DiscScene& s) { s.layers = 1; });
+  expect_rejected("layers", [](DiscScene& s) { s.layers = 20, s.photons = 10; });
+  expect_rejected("box", [](DiscScene& s) { s.box = 1; });
+  expect_rejected("number of flakes", [](DiscScene& s) { s.paint.flakes_per_mm2 = 1e9; });
+  expect_rejected("photons x ", [](DiscScene& s) { s.photons = 1'000'000'000'000; });
+}
+
+}  // namespace
+}  // namespace core_tests
