@@ -3,8 +3,6 @@
 
 #include <numbers>
 
-#include "flake_plane.h"
-
 namespace metallic_paint::reference {
 namespace {
 
@@ -22,13 +20,13 @@ std::size_t poisson_deviate(double mean, RandomStream& random) {
 
 }  // namespace
 
-DiscLayer::DiscLayer(const std::vector<Population>& flakes, double thickness_um, double box,
+DiscLayer::DiscLayer(const std::vector<Species>& flakes, double thickness_um, double box,
                      RandomStream random)
     : side(box) {
   std::vector<Disc> all;
   double widest = 0;
   for (std::size_t i = 0; i < flakes.size(); ++i) {
-    const Species some(flakes[i]);
+    const Species& some = flakes[i];
     const double to_layer = 1e6 / thickness_um;  // from metres
     const double density = some.flakes.flakes_per_mm2 * 1e6 / (to_layer * to_layer);
     for (std::size_t left = poisson_deviate(density * side * side, random); left > 0; --left) {

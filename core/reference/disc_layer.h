@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "population.h"
+#include "flake_plane.h"
 #include "random.h"
 
 namespace metallic_paint::reference {
@@ -32,7 +32,7 @@ inline constexpr std::uint32_t kNoDisc = std::numeric_limits<std::uint32_t>::max
 class DiscLayer {
  public:
   // thickness_um: above 0, of what is 1 here; side: of the box, wider than any disc.
-  DiscLayer(const std::vector<Population>& flakes, double thickness_um, double side,
+  DiscLayer(const std::vector<Species>& flakes, double thickness_um, double side,
             RandomStream random);
 
   struct Hit {
@@ -57,14 +57,6 @@ class DiscLayer {
 
   double side, top = 0, bottom = -1;
 
- private:
-  // Visits the cells along a ray, in order, until visit(discs, from, begin, end) returns false:
-  // `from` is the ray's origin in the frame of the cell's discs, which lie in the cell from the
-  // distance `begin` to `end` (Amanatides and Woo 1987).
-  template <class Visit>
-  void walk_cells(Vec3<double> from, Vec3<double> direction, double limit,
-                  const Visit& visit) const;
-
   // Where the ray meets the disc; infinity if it does not.
   static double distance_to(const Disc& disc, Vec3<double> from, Vec3<double> direction) {
     constexpr double never = std::numeric_limits<double>::infinity();
@@ -75,6 +67,14 @@ class DiscLayer {
     const Vec3<double> miss = to_centre - direction * distance;
     return dot(miss, miss) <= disc.radius2 ? distance : never;
   }
+
+ private:
+  // Visits the cells along a ray, in order, until visit(discs, from, begin, end) returns false:
+  // `from` is the ray's origin in the frame of the cell's discs, which lie in the cell from the
+  // distance `begin` to `end` (Amanatides and Woo 1987).
+  template <class Visit>
+  void walk_cells(Vec3<double> from, Vec3<double> direction, double limit,
+                  const Visit& visit) const;
 
   int columns_ = 1, floors_ = 1;    // cells along x and y; along z
   double width_ = 0, height_ = 0;   // of a cell

@@ -47,7 +47,7 @@ struct Cone {
 };
 
 struct Medium {
-  std::vector<Population> flakes;
+  std::vector<Species> flakes{};
   double thickness_um, rayleigh;
   Rgb<double> absorption;
   double eta, side;
@@ -73,15 +73,16 @@ double box_side(const DiscScene& scene) {
 Vec3<double> unit(Vec3<double> v) { return v / length(v); }
 
 Medium::Medium(const DiscScene& scene)
-    : flakes(populations(scene.paint)),
-      thickness_um(scene.paint.layer_thickness_um),
+    : thickness_um(scene.paint.layer_thickness_um),
       rayleigh(rayleigh_depth(scene.paint)),
       absorption(absorption_depth(scene.paint)),
       eta(scene.paint.binder_ior),
       side(box_side(scene)),
       light{unit(scene.light), scene.light_radius} {
-  for (const Vec3<double>& o : scene.detectors)
+  for (const Population& some : populations(scene.paint)) flakes.emplace_back(some);
+  for (const Vec3<double>& o : scene.detectors) {
     detectors.push_back({unit(o), scene.detector_radius});
+  }
 }
 
 // The sums of one batch of photons.
@@ -136,6 +137,9 @@ class Walker {
     if (direction_.z == 0) return;
     weight_ = grey(1 - mirrored);
     position_ = {layer_.side * random_(), layer_.side * random_(), layer_.top};
+    way_.clear();
+    mirrors_.clear();
+    place_ = position_;
     last_ = kNoDisc;
     component_ = kNothing;
     for (std::size_t i = 0; i < kMostScatterings; ++i) {
@@ -146,19 +150,19 @@ class Walker {
   }
 
   // How far it is to surface or substrate.
-  double to_boundary(Vec3<double> d) const {
-    const double height = d.z > 0 ? layer_.top - position_.z : position_.z - layer_.bottom;
+  double to_boundary(Vec3<double> from, Vec3<double> d) const {
+    const double height = d.z > 0 ? layer_.top - from.z : from.z - layer_.bottom;
     return std::max(height, 0.0) / std::max(std::abs(d.z), kLeastSlope);
   }
 
-  Stretch in_layer(Vec3<double> d, double end) const {
-    return {position_.z, std::copysign(std::max(std::abs(d.z), kLeastSlope), d.z), end};
+  static Stretch in_layer(Vec3<double> from, Vec3<double> d, double end) {
+    return {from.z, std::copysign(std::max(std::abs(d.z), kLeastSlope), d.z), end};
   }
 
   // To the next event; false where the photon ends.
   bool step() {
-    const double end = to_boundary(direction_);
-    const Stretch stretch = in_layer(direction_, end);
+    const double end = to_boundary(position_, direction_);
+    const Stretch stretch = in_layer(position_, direction_, end);
     double limit = end;
     if (medium_.rayleigh > 0) {
       const double free_path = -std::log1p(-random_()) / medium_.rayleigh;
@@ -166,6 +170,9 @@ class Walker {
     }
     const DiscLayer::Hit hit = layer_.first(position_, direction_, limit, last_);
     const double way = hit.disc != nullptr ? hit.distance : limit;
+    if (scene_.joined) put_flake(stretch, way);
+    way_.push_back({place_, direction_, way});
+    place_ = place_ + direction_ * way;
     // Absorption by weight: free paths are the same for all colours.
     if (max_component(medium_.absorption) > 0) {
       const double path = stretch.until(way);
@@ -261,7 +268,8 @@ class Walker {
       weight_ = mirrored / probability;
       direction_ = unit(direction_ - disc.normal * (2 * cosine));
       component_ = with(single_flake);
-      joined_ = false;
+      joined_ = scene_.joined && std::ranges::find(mirrors_, disc.index) == mirrors_.end();
+      mirrors_.push_back(disc.index);
     } else {
       weight_ = passed / (1 - probability);
     }
@@ -271,31 +279,92 @@ class Walker {
   // What the photon's way becomes by one more scattering.
   int with(int scattering) const { return component_ == kNothing ? scattering : mixture; }
 
-  // Next-event estimate: the light that this scattering sends straight to a point of each cone.
+  // A direction of a detector's cone as it is reached from inside.
+  struct Exit {
+    Vec3<double> direction{};  // in the binder
+    // As of a detector of the walk, (1 - r)/(eta^2 cos_in), over the cone by cos(theta); 0: no
+    // light gets there.
+    double factor = 0;
+  };
+  Exit exit_to(const Cone& to) {
+    const Vec3<double> out = to.sample(random_), in = refracted(out, medium_.eta);
+    if (!(in.z > 0)) return {};
+    const double passed = 1 - fresnel_reflectance(out.z, in.z, medium_.eta);
+    return {in, passed / (medium_.eta * medium_.eta * in.z) * out.z * to.solid_angle() /
+                    to.projected_solid_angle()};
+  }
+
+  // What is left of light on its way from a point of the box to the surface.
+  Rgb<double> left_on_way(Vec3<double> from, Vec3<double> d) const {
+    const double end = to_boundary(from, d);
+    const double path = in_layer(from, d, end).until(end);
+    Rgb<double> kept = map(medium_.absorption + grey(medium_.rayleigh),
+                           [&](double k) { return std::exp(-k * path); });
+    layer_.each(from, d, end, kNoDisc, [&](const Disc& disc) {
+      kept = kept * transmittance(disc, d);
+      return max_component(kept) > 0;
+    });
+    return kept;
+  }
+
+  Rgb<double> transmittance(const Disc& disc, Vec3<double> d) const {
+    return flake_transmittance(medium_.flakes[disc.species].flakes, std::abs(dot(disc.normal, d)));
+  }
+
+  // The light that this scattering sends straight to a point of each cone.
   template <class Phase>
   void see(const Phase& phase) {
     joined_ = true;
     for (std::size_t i = 0; i < medium_.detectors.size(); ++i) {
-      const Cone& to = medium_.detectors[i];
-      const Vec3<double> out = to.sample(random_);
-      const Vec3<double> in = refracted(out, medium_.eta);
-      if (!(in.z > 0)) continue;
-      const double end = to_boundary(in);
-      const double path = in_layer(in, end).until(end);
-      Rgb<double> kept = map(medium_.absorption + grey(medium_.rayleigh),
-                             [&](double k) { return std::exp(-k * path); });
-      layer_.each(position_, in, end, kNoDisc, [&](const Disc& disc) {
-        const FlakeSpecies& flakes = medium_.flakes[disc.species].flakes;
-        kept = kept * flake_transmittance(flakes, std::abs(dot(disc.normal, in)));
-        return max_component(kept) > 0;
-      });
-      if (!(max_component(kept) > 0)) continue;
-      // As a detector of the walk, (1 - r)/(eta^2 cos_in), over the cone by cos(theta).
-      const double passed = 1 - fresnel_reflectance(out.z, in.z, medium_.eta);
-      const double factor = passed / (medium_.eta * medium_.eta * in.z) * out.z * to.solid_angle() /
-                            to.projected_solid_angle();
+      const Exit exit = exit_to(medium_.detectors[i]);
+      if (!(exit.factor > 0)) continue;
       Rgb<double>& sum = tally_.brdf[i][static_cast<std::size_t>(component_)];
-      sum = sum + weight_ * kept * (phase(in) * factor);
+      sum = sum + weight_ * left_on_way(position_, exit.direction) *
+                      (phase(exit.direction) * exit.factor);
+    }
+  }
+
+  // One more flake of each species on the photon's way, before it is gone. Per length of the way
+  // and per solid angle of their normals D S p(n) |d . n| flakes are met (D, S per thickness); per
+  // solid angle of what they mirror, D S p(n)/4. The photon meets the flake in any of its points.
+  void put_flake(const Stretch& stretch, double way) {
+    const double at = way * random_();
+    const double path = stretch.until(at);
+    const Rgb<double> here =
+        weight_ * map(medium_.absorption, [&](double k) { return std::exp(-k * path); });
+    const Vec3<double> point = place_ + direction_ * at;
+    for (std::size_t i = 0; i < medium_.detectors.size(); ++i) {
+      const Exit exit = exit_to(medium_.detectors[i]);
+      if (!(exit.factor > 0)) continue;
+      const Vec3<double> sum = exit.direction - direction_;
+      const double size = length(sum);
+      if (!(size > 0)) continue;
+      const Vec3<double> normal = sum / size;
+      const Frame frame = frame_of(normal);
+      Rgb<double> mirrored{};
+      for (std::size_t k = 0; k < medium_.flakes.size(); ++k) {
+        const Species& some = medium_.flakes[k];
+        const double density = some.normals.density(normal) / 4;
+        if (!(density > 0)) continue;
+        const double area = flake_area(some, random_);  // m2
+        const double radius = std::sqrt(area / kPi) * 1e6 / medium_.thickness_um;
+        const double from_centre = radius * std::sqrt(random_()), turn = 2 * kPi * random_();
+        const Vec3<double> centre =
+            point - (frame.a * std::cos(turn) + frame.b * std::sin(turn)) * from_centre;
+        if (centre.z > 0 || centre.z < -1) continue;
+        const Disc disc{centre, normal, radius * radius, static_cast<std::uint32_t>(k), kNoDisc};
+        Rgb<double> kept = flake_reflectance(some.flakes, size / 2) *
+                           (some.flakes.flakes_per_mm2 * 1e6 * area * density);
+        for (const Way& before : way_) {
+          const double met = DiscLayer::distance_to(disc, before.from, before.direction);
+          if (met > 0 && met < before.length) kept = kept * transmittance(disc, before.direction);
+        }
+        mirrored = mirrored + kept;
+      }
+      if (!(max_component(mirrored) > 0)) continue;
+      Rgb<double>& seen = tally_.brdf[i][static_cast<std::size_t>(with(single_flake))];
+      seen = seen + here * mirrored * left_on_way(layer_.wrapped(point), exit.direction) *
+                        (way * exit.factor);
     }
   }
 
@@ -308,10 +377,17 @@ class Walker {
   RandomStream random_;
   DiscLayer layer_;
   Vec3<double> position_{}, direction_{};
+  Vec3<double> place_{};  // the position, not in the box but where the photon began
+  struct Way {
+    Vec3<double> from, direction;
+    double length;
+  };
+  std::vector<Way> way_{};                // from event to event, by place
+  std::vector<std::uint32_t> mirrors_{};  // the discs that mirrored the photon
   Rgb<double> weight_{};
   int component_ = kNothing;
-  // Whether the last scattering was joined to the detectors: it is not counted besides. What the
-  // surface sends back is scattered again before it leaves.
+  // Whether what the last scattering sends out is joined to the detectors: it is not counted
+  // besides. What the surface sends back is scattered again before it leaves.
   bool joined_ = false;
   std::uint32_t last_ = kNoDisc;  // the disc that the photon comes from
 };

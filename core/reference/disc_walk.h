@@ -6,10 +6,15 @@
 // thick.
 //
 // Frame, shares and parts are those of the walk. Lengths are in units of the layer's thickness, and
-// each batch of photons has a layer of its own (disc_layer.h). A mirror sends its light one way
-// only, so what flakes send out last is counted in cones about the detectors; the substrate and the
-// pigment are joined to a random direction of each cone (next-event estimation). Flakes are plane:
-// flake_spread and diffraction do not matter here, nor do depth_model and radiometry.
+// each batch of photons has a layer of its own (disc_layer.h). Flakes are plane: flake_spread and
+// diffraction do not matter here, nor do depth_model and radiometry.
+//
+// A mirror sends its light one way only, so light cannot be sent on from it to a detector. But in a
+// Poisson process the sum over its flakes of anything is the integral over one more flake, put
+// anywhere (Mecke 1967). So on each way of a photon one more flake is put, turned so that it
+// mirrors to a random direction of the detector's cone, and dims the photon's ways before where it
+// lies across them. What remains is light that one flake mirrored twice or more, at last the last
+// time: that is counted in the cones. Substrate and pigment are joined to a direction of each cone.
 #pragma once
 
 #include <cstddef>
@@ -36,6 +41,8 @@ struct DiscScene {
   // Side of the box that repeats itself, over the thickness or the widest flake, whichever is
   // larger: 2 to 1000. The box also holds 2048 flakes at least, and at most 1e7.
   double box = 6;
+  // false: all that flakes send out is counted in the cones, and errors are several times as large.
+  bool joined = true;
   std::uint64_t seed = 0;
 };
 
