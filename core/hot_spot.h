@@ -120,8 +120,8 @@ T hidden_whole(const Layer<T>& layer, const Flakes<T>& flakes, Rgb<T> x, Rgb<T> 
 template <class T>
 T ways_apart(Vec3<T> normal, Vec3<T> view, T cos_view, T g_view, Vec3<T> light, T cos_light,
              T g_light) {
-  return length((view - normal * cos_view) / max(g_view, T(kLeastCosine)) -
-                (light - normal * cos_light) / max(g_light, T(kLeastCosine)));
+  return length((view - normal * cos_view) * (1 / max(g_view, T(kLeastCosine))) -
+                (light - normal * cos_light) * (1 / max(g_light, T(kLeastCosine))));
 }
 
 }  // namespace metallic_paint

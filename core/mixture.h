@@ -246,8 +246,9 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
         if (layer.depth_model == DepthModel::correlated && escaping > 0) {
           // delta is |v_t/c - l_t/e|. With l = 2 cos(alpha) m - v that is |v_t (1/c + 1/e) -
           // 2 cos(alpha) m_t/e|, m_t of the length sin(beta) at phi.
-          const T turned = 2 * cos_alpha / cos_exit * (2 * sqrt(h * (1 - h)));
-          const T apart = sin_in * (1 / cos_in + 1 / cos_exit) - turned * cos_phi;
+          const T way_out = 1 / cos_exit;
+          const T turned = 2 * cos_alpha * way_out * (2 * sqrt(h * (1 - h)));
+          const T apart = sin_in * (1 / cos_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
           const T delta = sqrt(apart * apart + aside);
           sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
@@ -272,10 +273,10 @@ LayerShares<T> layer_shares(T mirror, T loss) {
   const T mean = mean_transmittance(x);
   const T dimmed = x * mean;  // 1 - h
   const T h = max(1 - dimmed, T(0));
-  const T n = 1 + h * h;
-  const T q = mean * (1 + h) / n;
-  const T whole = 1 + (mirror + loss) * q;
-  return {mirror * q / whole, 2 * h / (n * whole), (dimmed * dimmed / n + loss * q) / whole};
+  const T each = 1 / (1 + h * h);
+  const T q = mean * (1 + h) * each;
+  const T share = 1 / (1 + (mirror + loss) * q);
+  return {mirror * q * share, 2 * h * each * share, (dimmed * dimmed * each + loss * q) * share};
 }
 
 // What the flakes of all species do to diffuse light, c and o: S and K, per colour. The view has no
@@ -502,6 +503,7 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates
   const T mirror = flake_mirror + pigment_back / cos_in;
   const T loss = flakes.loss.*c + absorption / cos_in;
   const LayerShares<T> about = layer_shares(mirror, loss);
+  const T met_once = mean_transmittance(mirror + loss);
   const T lambertian = lambertian_escape(surface);
   const T from_pigment = pigment_escape(surface);
 
@@ -516,7 +518,9 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates
   T unpigmented = 0;  // of what is mirrored, by flakes alone
   if (about.mirrored > 0) {
     // Mirrored more than once, it nears the shares of Lambertian light.
-    const T once = min(mirror * mean_transmittance(2 * (mirror + loss)) / about.mirrored, T(1));
+    // A(2 x) = A(x) (1 - x A(x)/2), with A of mean_transmittance.
+    const T twice = met_once * (1 - (mirror + loss) * met_once / 2);
+    const T once = min(mirror * twice / about.mirrored, T(1));
     const T turns = T(kForgetting) * (1 - mean_cosine(diffuse_light));
     const T forgotten = turns / (1 + turns) * (1 - once);
     escape = escape + (lambertian - escape) * forgotten;
@@ -534,9 +538,9 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates
     }
   }
   // The series of g between surface and layer.
-  const T exits = about.passed + about.lost + about.mirrored * (escape + outside);
-  const T upwards = about.mirrored * (escape + outside * diffused.trapped_out) / exits;
-  const T down = (about.passed + about.mirrored * outside * diffused.trapped_down) / exits;
+  const T series = 1 / (about.passed + about.lost + about.mirrored * (escape + outside));
+  const T upwards = about.mirrored * (escape + outside * diffused.trapped_out) * series;
+  const T down = (about.passed + about.mirrored * outside * diffused.trapped_down) * series;
 
   const T albedo = upwards + substrate * down * diffused.below;
 
@@ -544,11 +548,12 @@ MixtureShares<T> mixture_channel(const FlakeRates<T>& flakes, const DiffuseRates
   // dark albedo by 0.04 at most, in 95 % by 0.0005 (2000 cases, docs/fits.md).
   const T single = flakes.single.independent.*c;
   const T whole = max(albedo - single, T(0));
-  MixtureShares<T> shares{whole, clamp(about.mirrored * unpigmented / exits - single, T(0), whole)};
+  MixtureShares<T> shares{whole,
+                          clamp(about.mirrored * unpigmented * series - single, T(0), whole)};
   if (correlated) {
     // What escapes from single flakes besides is not scattered again: of the light that is neither
     // lost nor out after its first flake as much less is left.
-    const T kept = 1 - loss * mean_transmittance(mirror + loss);
+    const T kept = 1 - loss * met_once;
     const T left = kept - single;
     T less = 1;
     if (left > 0) less = clamp((kept - flakes.single.correlated.*c) / left, T(0), T(1));

@@ -59,7 +59,7 @@ Rgb<T> blocked_area(const OrientationDensity<T>& density, const Coating<T>& coat
 // blocking is D H <S> (<s> - <t_p>).
 template <class T>
 Rgb<T> slant_depth(Rgb<T> blocking, Rgb<T> binder_depth, T cos_theta) {
-  return (blocking + binder_depth) / max(cos_theta, T(kLeastCosine));
+  return (blocking + binder_depth) * (1 / max(cos_theta, T(kLeastCosine)));
 }
 
 }  // namespace metallic_paint

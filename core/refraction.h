@@ -105,7 +105,7 @@ Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   const T s = sqrt(tangent_square + along * along);
   mirror.cos_alpha = min(s / (2 * eta), T(1));
   mirror.sin2_half_beta = min(tangent_square / (2 * s * (s + along)), T(0.5));
-  mirror.flake_normal = (tangent + normal * along) / s;
+  mirror.flake_normal = (tangent + normal * along) * (1 / s);
   mirror.possible = true;
   return mirror;
 }

@@ -66,7 +66,7 @@ int is_sound(color x)
     else if (Diagnostic == SHOW_CONE) \
       Shown = color(cone_solid_angle(rho)); \
     irradiance = sparkle_cone(color(1.0), view, seen[i].direction, cone_half_angle(1.0, least, most), \
-                              uniform_23(words.x)); \
+                              lot); \
   }
 
 #define DIAGNOSE_FLAKE \

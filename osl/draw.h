@@ -52,9 +52,10 @@ struct SumLaw {
 SumLaw sum_law(float square, float cube, float x, float h, float count)
 {
   SumLaw law;
-  float m1 = mean_transmittance(x);
-  float m2 = square * mean_transmittance(2.0 * x - h);
-  float m3 = cube * mean_transmittance(3.0 * x - 2.0 * h);
+  color passed = mean_transmittance(color(x, 2.0 * x - h, 3.0 * x - 2.0 * h));
+  float m1 = passed[0];
+  float m2 = square * passed[1];
+  float m3 = cube * passed[2];
   law.mean = m1 * count;
   law.spread = 0.0;
   law.c = 0.0;

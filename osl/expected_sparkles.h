@@ -30,9 +30,12 @@ struct ExpectedSparkles {
 
 float flake_probability(OrientationDensity density, int radiometry, float sin2_half_beta, float sin2_half_rho)
 {
+  float probability = 0.0;
   if (radiometry == RADIOMETRY_EXACT)
-    return cap_probability(density, sin2_half_beta, sin2_half_rho);
-  return min(2.0 * orientation_density(density, sin2_half_beta) * sin2_half_rho, 1.0);
+    probability = cap_probability(density, sin2_half_beta, sin2_half_rho);
+  else
+    probability = min(2.0 * orientation_density(density, sin2_half_beta) * sin2_half_rho, 1.0);
+  return probability;
 }
 
 // No sparkle.

@@ -39,15 +39,14 @@ Pixel find_pixel(point position, vector n, vector view)
   if (raytype("camera")) {
     point c = transform("camera", position);
     float h = max(fabs(c[2]), 1e-30);
-    point centre = transform("camera", "raster", c);
     // Across the camera's axis x alone moves along the raster's x, and y along its y.
     point aside = transform("camera", "raster", c + vector(h, h, 0.0));
     vector towards = transform("camera", view);
     point behind = transform("camera", "raster", c - towards * h);
-    float x = fabs(aside[0] - centre[0]);
-    float y = fabs(aside[1] - centre[1]);
+    float x = fabs(aside[0] - pixel.raster[0]);
+    float y = fabs(aside[1] - pixel.raster[1]);
     // A projection keeps the place in the raster along the view, but for the depth of field; a panorama has no such raster.
-    if (fabs(behind[0] - centre[0]) < 0.1 * x && fabs(behind[1] - centre[1]) < 0.1 * y)
+    if (fabs(behind[0] - pixel.raster[0]) < 0.1 * x && fabs(behind[1] - pixel.raster[1]) < 0.1 * y)
       exact = facing_area(towards, x / h, y / h);
   }
   pixel.area = surface_area(exact, length(cross(Dx(position), Dy(position))), max(dot(n, view), 1e-6));

@@ -5,16 +5,19 @@
 
 #include "layer.h"
 
-color share_in_common(float w, color x)
-{
-  color y = w / (color(1.0) + 0.0971 * x);
-  return (color(1.0) + 1.6392 * y) / (color(1.0) + y * (color(2.0389) + y * (1.8717 / (color(1.0) + 0.1464 * x))));
-}
-
 float share_in_common(float w, float x)
 {
   float y = w / (1.0 + 0.0971 * x);
   return (1.0 + 1.6392 * y) / (1.0 + y * (2.0389 + y * (1.8717 / (1.0 + 0.1464 * x))));
+}
+
+color share_in_common(float w, color x)
+{
+  int channels = channels_of(x);
+  color share = color(0.0);
+  for (int c = 0; c < channels; ++c)
+    share[c] = share_in_common(w, x[c]);
+  return channels == 1 ? color(share[0]) : share;
 }
 
 color hidden_one_way(color r)
@@ -82,6 +85,7 @@ float hidden_whole(Layer layer, Flakes flakes, color x, color shared)
 
 float ways_apart(vector n, vector view, float cos_view, float g_view, vector light, float cos_light, float g_light)
 {
-  vector between = (view - n * cos_view) / max(g_view, LEAST_COSINE) - (light - n * cos_light) / max(g_light, LEAST_COSINE);
+  vector between = (view - n * cos_view) * (1.0 / max(g_view, LEAST_COSINE)) -
+                   (light - n * cos_light) * (1.0 / max(g_light, LEAST_COSINE));
   return sqrt(inner_product(between, between));
 }

@@ -177,8 +177,9 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
         if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
-          float turned = 2.0 * cos_alpha / cos_exit * (2.0 * sqrt(h * (1.0 - h)));
-          float apart = sin_in * (1.0 / cos_in + 1.0 / cos_exit) - turned * cos_phi;
+          float way_out = 1.0 / cos_exit;
+          float turned = 2.0 * cos_alpha * way_out * (2.0 * sqrt(h * (1.0 - h)));
+          float apart = sin_in * (1.0 / cos_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
           float delta = sqrt(apart * apart + aside);
           sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
@@ -201,13 +202,13 @@ LayerShares layer_shares(float mirror, float loss)
   float mean = mean_transmittance(x);
   float dimmed = x * mean;
   float h = max(1.0 - dimmed, 0.0);
-  float n = 1.0 + h * h;
-  float q = mean * (1.0 + h) / n;
-  float whole = 1.0 + (mirror + loss) * q;
+  float each = 1.0 / (1.0 + h * h);
+  float q = mean * (1.0 + h) * each;
+  float share = 1.0 / (1.0 + (mirror + loss) * q);
   LayerShares shares;
-  shares.mirrored = mirror * q / whole;
-  shares.passed = 2.0 * h / (n * whole);
-  shares.lost = (dimmed * dimmed / n + loss * q) / whole;
+  shares.mirrored = mirror * q * share;
+  shares.passed = 2.0 * h * each * share;
+  shares.lost = (dimmed * dimmed * each + loss * q) * share;
   return shares;
 }
 
@@ -431,6 +432,7 @@ MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, Dif
   float mirror = flake_mirror + pigment_back / cos_in;
   float loss = flakes.loss[c] + absorption / cos_in;
   LayerShares about = layer_shares(mirror, loss);
+  float met_once = mean_transmittance(mirror + loss);
   float lambertian = lambertian_escape(surface);
   float from_pigment = pigment_escape(surface);
 
@@ -443,7 +445,8 @@ MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, Dif
   float outside = max(1.0 - escape - inside, 0.0);
   float unpigmented = 0.0;
   if (about.mirrored > 0.0) {
-    float once = min(mirror * mean_transmittance(2.0 * (mirror + loss)) / about.mirrored, 1.0);
+    float twice = met_once * (1.0 - (mirror + loss) * met_once / 2.0);
+    float once = min(mirror * twice / about.mirrored, 1.0);
     float turns = FORGETTING * (1.0 - mean_cosine(diffuse_light));
     float forgotten = turns / (1.0 + turns) * (1.0 - once);
     escape = escape + (lambertian - escape) * forgotten;
@@ -459,17 +462,17 @@ MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, Dif
       outside = outside + ((1.0 - from_pigment) - outside) * touched;
     }
   }
-  float exits = about.passed + about.lost + about.mirrored * (escape + outside);
-  float upwards = about.mirrored * (escape + outside * diffused.trapped_out) / exits;
-  float down = (about.passed + about.mirrored * outside * diffused.trapped_down) / exits;
+  float series = 1.0 / (about.passed + about.lost + about.mirrored * (escape + outside));
+  float upwards = about.mirrored * (escape + outside * diffused.trapped_out) * series;
+  float down = (about.passed + about.mirrored * outside * diffused.trapped_down) * series;
   float albedo = upwards + substrate * down * diffused.below;
 
   float single = flakes.single.independent[c];
   MixtureShares shares;
   shares.whole = max(albedo - single, 0.0);
-  shares.glossy = clamp(about.mirrored * unpigmented / exits - single, 0.0, shares.whole);
+  shares.glossy = clamp(about.mirrored * unpigmented * series - single, 0.0, shares.whole);
   if (correlated) {
-    float kept = 1.0 - loss * mean_transmittance(mirror + loss);
+    float kept = 1.0 - loss * met_once;
     float left = kept - single;
     float less = 1.0;
     if (left > 0.0)

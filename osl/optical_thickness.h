@@ -40,5 +40,5 @@ color blocked_area(OrientationDensity density, Coating coating, float library[],
 
 color slant_depth(color blocking, color binder_depth, float cos_theta)
 {
-  return (blocking + binder_depth) / max(cos_theta, LEAST_COSINE);
+  return (blocking + binder_depth) * (1.0 / max(cos_theta, LEAST_COSINE));
 }

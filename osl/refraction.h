@@ -79,7 +79,7 @@ Mirror mirror_between(vector n, vector view, vector light, float eta)
   float s = sqrt(tangent_square + along * along);
   mirror.cos_alpha = min(s / (2.0 * eta), 1.0);
   mirror.sin2_half_beta = min(tangent_square / (2.0 * s * (s + along)), 0.5);
-  mirror.flake_normal = (tangent + n * along) / s;
+  mirror.flake_normal = (tangent + n * along) * (1.0 / s);
   mirror.possible = 1;
   return mirror;
 }
