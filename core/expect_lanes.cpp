@@ -93,11 +93,10 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
 
 }  // namespace
 
-void METALLIC_PAINT_NAME(METALLIC_PAINT_LANES_FOR)(const Paint& paint,
-                                                   const std::vector<Light<double>>& lights,
-                                                   const StreamKeys& keys, const PixelBatch& batch,
-                                                   std::size_t begin, std::size_t end,
-                                                   ExpectedLights& to) {
+// Flat: what is called there would else hand the lanes over through memory.
+[[gnu::flatten]] void METALLIC_PAINT_NAME(METALLIC_PAINT_LANES_FOR)(
+    const Paint& paint, const std::vector<Light<double>>& lights, const StreamKeys& keys,
+    const PixelBatch& batch, std::size_t begin, std::size_t end, ExpectedLights& to) {
   Layer<Many> layer;
   std::vector<Light<Many>> slots;
   Many::in_lanes(kCount, [&] {
