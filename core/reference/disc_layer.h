@@ -5,7 +5,9 @@
 //
 // The centres are a Poisson process, uniform in 0 >= z >= -1; areas and normals are the paint's. No
 // disc is cut: the surface lies at `top`, right above the highest, and the substrate at `bottom`,
-// right below the lowest. So a ray that crosses the layer meets as many flakes as the paint says.
+// right below the lowest. So a ray that crosses the layer meets as many flakes as the paint says;
+// but wide tilted flakes set surface and substrate off, and what the ways to the substrate and back
+// share is less by that.
 #pragma once
 
 #include <algorithm>
