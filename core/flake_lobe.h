@@ -33,12 +33,12 @@ T inside_unit(T x) {
 // disc, so where it may not be, as it holds a listed light or the horizon, the flake's own
 // direction takes its place.
 // t is this share of the variance of the mirror directions across the plane of view. A lamp's light
-// is off by 3 % at most, 1.5 % in 95 % (60 paints under round lamps of 0.1 to 0.5 rad;
-// tests/fits/lobe_spread.cpp).
-inline constexpr double kWideShare = 0.3;
+// is off by 1.4 % at most, 0.5 % in 95 % (24 paints under round lamps of 0.1 to 0.5 rad;
+// tests/fits/lobe_spread.cpp). Twice t would leave a sixth less noise and twice the error.
+inline constexpr double kWideShare = 0.15;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view.
-inline constexpr double kWidestDeviation = 0.4;
-inline constexpr double kToHorizon = 0.2;
+inline constexpr double kWidestDeviation = 0.2;
+inline constexpr double kToHorizon = 0.1;
 // Otherwise it is widened to a cone of this half-angle, in units of eta tilt (the tilt turns the
 // mirror direction by 2 eta tilt), so that small lamps beyond the slots are met.
 inline constexpr double kLobeSpread = 0.33;

@@ -7,9 +7,9 @@
 #include "close_up.h"
 #include "passage.h"
 
-#define WIDE_SHARE 0.3
-#define WIDEST_DEVIATION 0.4
-#define TO_HORIZON 0.2
+#define WIDE_SHARE 0.15
+#define WIDEST_DEVIATION 0.2
+#define TO_HORIZON 0.1
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 
