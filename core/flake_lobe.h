@@ -34,7 +34,7 @@ T inside_unit(T x) {
 // direction takes its place.
 // t is this share of the variance of the mirror directions across the plane of view. A lamp's light
 // is off by 1.4 % at most, 0.5 % in 95 % (24 paints under round lamps of 0.1 to 0.5 rad;
-// tests/fits/lobe_spread.cpp). Twice t would leave a sixth less noise and twice the error.
+// tests/fits/lobe_spread.cpp). Twice that deviation has a quarter less noise, twice the error.
 inline constexpr double kWideShare = 0.15;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view.
 inline constexpr double kWidestDeviation = 0.2;
