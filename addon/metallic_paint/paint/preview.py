@@ -201,6 +201,8 @@ def _preview(sockets: _Sockets) -> bpy.types.NodeSocket:
     flakes = _flakes(sockets, eta)
     layer = _layer(sockets, flakes, cos_in)
     glossy, matt = _scattered(layer, _surface(eta, cos_in, flakes.slope2), sockets)
+    glossy = glossy.cut()
+    matt = matt.least(1.0 - glossy)  # each is a fit: together they leave no more than came
 
     roughness = sockets["coat_roughness"].cut()
     reflected = _coat_reflectance(cos_view, roughness, eta)
@@ -209,7 +211,7 @@ def _preview(sockets: _Sockets) -> bpy.types.NodeSocket:
     # the root of alpha.
     wide = (eta * eta * (flakes.slope2 + flakes.blur2)).power(0.25).least(1.0)
     return _add(
-        _glossy((glossy * entered).cut(), normal, wide),
+        _glossy(glossy * entered, normal, wide),
         _lobe("ShaderNodeBsdfDiffuse", (matt * entered).cut(), normal),
         _glossy(reflected, coat_normal, roughness),
     )
