@@ -13,8 +13,8 @@
 #include "disc_layer.h"
 #include "flake_plane.h"
 #include "optics.h"
+#include "photon.h"
 #include "population.h"
-#include "random.h"
 #include "random_walk.h"
 #include "work.h"
 
@@ -22,11 +22,8 @@ namespace metallic_paint::reference {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Below this weight a photon goes on with a probability in proportion to its weight.
-constexpr double kRouletteWeight = 1e-3;
 // A way that is flatter ends at surface or substrate as if it had this slope.
 constexpr double kLeastSlope = 1e-6;
-constexpr std::size_t kMostDetectors = 4096;
 constexpr double kLeastFlakes = 2048, kMostFlakes = 1e7;
 
 // Directions within an angle of a unit vector, outside.
@@ -85,12 +82,8 @@ Medium::Medium(const DiscScene& scene)
   }
 }
 
-// The sums of one batch of photons.
-struct Tally {
-  std::array<Rgb<double>, kComponents> albedo{};
-  Rgb<double> specular{}, absorbed{}, truncated{};
-  std::size_t photons = 0, steps = 0;
-  std::vector<std::array<Rgb<double>, kComponents>> brdf;
+struct Tally : PhotonTally {
+  Rgb<double> specular{};
 };
 
 // The part of a way from `z` with this slope that lies in the layer itself, by its distances.
@@ -104,17 +97,15 @@ struct Stretch {
   double until(double distance) const { return std::clamp(distance, enter, leave) - enter; }
 };
 
-class Walker {
+class Walker : Photon<Tally> {
  public:
   Walker(const Medium& medium, const DiscScene& scene, std::size_t batch,
          const std::stop_token& stop)
-      : medium_(medium),
+      : Photon(RandomStream(scene.seed).substream(batch), medium.detectors.size()),
+        medium_(medium),
         scene_(scene),
         stop_(stop),
-        random_(RandomStream(scene.seed).substream(batch)),
-        layer_(medium.flakes, medium.thickness_um, medium.side, random_.substream(0)) {
-    tally_.brdf.resize(medium.detectors.size());
-  }
+        layer_(medium.flakes, medium.thickness_um, medium.side, random_.substream(0)) {}
 
   Tally walk(std::size_t photons) {
     tally_.photons = photons;
@@ -131,22 +122,17 @@ class Walker {
       do from = medium_.light.sample(random_);
       while (random_() * std::min(medium_.light.axis.z + medium_.light.radius, 1.0) > from.z);
     }
-    direction_ = refracted(from, medium_.eta) * -1.0;
-    const double mirrored = fresnel_reflectance(from.z, -direction_.z, medium_.eta);
+    const Vec3<double> inside = refracted(from, medium_.eta);
+    const double mirrored = fresnel_reflectance(from.z, inside.z, medium_.eta);
     tally_.specular = tally_.specular + grey(mirrored);
-    if (direction_.z == 0) return;
-    weight_ = grey(1 - mirrored);
+    if (inside.z == 0) return;
+    begin(inside * -1.0, grey(1 - mirrored));
     position_ = {layer_.side * random_(), layer_.side * random_(), layer_.top};
     way_.clear();
     mirrors_.clear();
     place_ = position_;
     last_ = kNoDisc;
-    component_ = kNothing;
-    for (std::size_t i = 0; i < kMostScatterings; ++i) {
-      ++tally_.steps;
-      if (stop_.stop_requested() || !step() || !survives()) return;
-    }
-    tally_.truncated = tally_.truncated + weight_;
+    ends(stop_, [this] { return step(); });
   }
 
   // How far it is to surface or substrate.
@@ -186,20 +172,6 @@ class Walker {
     return direction_.z > 0 ? meet_surface() : meet_substrate();
   }
 
-  // The rest is absorbed.
-  void keep(Rgb<double> share) {
-    tally_.absorbed = tally_.absorbed + weight_ * (grey(1.0) - share);
-    weight_ = weight_ * share;
-  }
-
-  bool survives() {
-    const double largest = max_component(weight_);
-    if (largest >= kRouletteWeight) return true;
-    if (!(random_() * kRouletteWeight < largest)) return false;
-    weight_ = weight_ * (kRouletteWeight / largest);
-    return true;
-  }
-
   bool meet_surface() {
     position_.z = layer_.top;
     const double eta = medium_.eta;
@@ -227,57 +199,29 @@ class Walker {
     position_.z = layer_.bottom;
     keep(scene_.substrate);
     component_ = with(substrate);
-    see([](Vec3<double> o) { return o.z / kPi; });
-    const double r2 = random_(), phi = 2 * kPi * random_();
-    const double r = std::sqrt(r2);
-    direction_ = {r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r2)};
+    see(lambertian_phase);
+    direction_ = sample_lambertian(random_);
     return true;
   }
 
-  // Rayleigh.
   bool meet_pigment() {
     component_ = mixture;
-    const auto phase = [this](Vec3<double> o) {
-      const double cosine = dot(o, direction_);
-      return 3 / (16 * kPi) * (1 + cosine * cosine);
-    };
-    see(phase);
-    Vec3<double> d;
-    do {
-      const double z = 2 * random_() - 1, phi = 2 * kPi * random_();
-      const double sine = std::sqrt((1 - z) * (1 + z));
-      d = {sine * std::cos(phi), sine * std::sin(phi), z};
-    } while (random_() * 3 / (8 * kPi) >= phase(d));
-    direction_ = d;
+    see([this](Vec3<double> o) { return rayleigh_phase(dot(o, direction_)); });
+    direction_ = sample_rayleigh(direction_, random_);
     return true;
   }
 
   bool meet_flake(const Disc& disc) {
     last_ = disc.index;
-    const FlakeSpecies& flakes = medium_.flakes[disc.species].flakes;
-    const double cosine = dot(direction_, disc.normal);
-    const Rgb<double> mirrored = weight_ * flake_reflectance(flakes, std::abs(cosine));
-    const Rgb<double> passed = weight_ * flake_transmittance(flakes, std::abs(cosine));
-    tally_.absorbed = tally_.absorbed + (weight_ - mirrored - passed);
-    // Either way at random, by the sum over the colours: that sum then stays the same.
-    const double mirrored_sum = mirrored.x + mirrored.y + mirrored.z;
-    const double sum = mirrored_sum + (passed.x + passed.y + passed.z);
-    if (!(sum > 0)) return false;
-    const double probability = mirrored_sum / sum;
-    if (random_() < probability) {
-      weight_ = mirrored / probability;
-      direction_ = unit(direction_ - disc.normal * (2 * cosine));
+    const Met met = meet(medium_.flakes[disc.species].flakes, disc.normal);
+    if (met == Met::mirrored) {
+      direction_ = unit(direction_);
       component_ = with(single_flake);
       joined_ = scene_.joined && std::ranges::find(mirrors_, disc.index) == mirrors_.end();
       mirrors_.push_back(disc.index);
-    } else {
-      weight_ = passed / (1 - probability);
     }
-    return true;
+    return met != Met::absorbed;
   }
-
-  // What the photon's way becomes by one more scattering.
-  int with(int scattering) const { return component_ == kNothing ? scattering : mixture; }
 
   // A direction of a detector's cone as it is reached from inside.
   struct Exit {
@@ -368,15 +312,11 @@ class Walker {
     }
   }
 
-  static constexpr int kNothing = -1;
-
   const Medium& medium_;
   const DiscScene& scene_;
   const std::stop_token& stop_;
-  Tally tally_;
-  RandomStream random_;
   DiscLayer layer_;
-  Vec3<double> position_{}, direction_{};
+  Vec3<double> position_{};
   Vec3<double> place_{};  // the position, not in the box but where the photon began
   struct Way {
     Vec3<double> from, direction;
@@ -384,8 +324,6 @@ class Walker {
   };
   std::vector<Way> way_{};                // from event to event, by place
   std::vector<std::uint32_t> mirrors_{};  // the discs that mirrored the photon
-  Rgb<double> weight_{};
-  int component_ = kNothing;
   // Whether what the last scattering sends out is joined to the detectors: it is not counted
   // besides. What the surface sends back is scattered again before it leaves.
   bool joined_ = false;
@@ -415,10 +353,7 @@ void validate(const DiscScene& scene) {
   require_colour("substrate", scene.substrate, 1);
   require_range("light_radius", scene.light_radius, 0, 0.5, " rad");
   require_cone("light", scene.light, scene.light_radius);
-  if (scene.detectors.size() > kMostDetectors) {
-    reject("number of detectors", std::to_string(scene.detectors.size()),
-           "at most " + std::to_string(kMostDetectors));
-  }
+  require_detectors(scene.detectors.size());
   require_range("detector_radius", scene.detector_radius, 0, 0.5, " rad");
   if (!(scene.detector_radius > 0)) {
     reject("detector_radius", scene.detector_radius, "above 0 rad");

@@ -12,6 +12,9 @@
 
 namespace metallic_paint::reference {
 
+// Of one photon.
+inline constexpr std::size_t kMostScatterings = 1'000'000;
+
 // Mean and its standard error, from the means of batches (256 where nothing else is said).
 struct Estimate {
   Rgb<double> mean{}, error{};

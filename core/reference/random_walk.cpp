@@ -10,8 +10,8 @@
 #include "../parallel.h"
 #include "../validation.h"
 #include "optics.h"
+#include "photon.h"
 #include "population.h"
-#include "random.h"
 #include "work.h"
 
 namespace metallic_paint::reference {
@@ -19,9 +19,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kBatches = 256;
-// Below this weight a photon goes on with a probability in proportion to its weight.
-constexpr double kRouletteWeight = 1e-3;
-constexpr std::size_t kMostDetectors = 4096;
 constexpr int kMostBins = 16384;
 
 // Lengths in units of the layer's thickness.
@@ -63,25 +60,20 @@ struct Detector {
   }
 };
 
-// The sums of one batch of photons.
-struct Tally {
-  std::array<Rgb<double>, kComponents> albedo{};
-  Rgb<double> absorbed{}, truncated{};
-  std::size_t photons = 0, truncated_walks = 0, steps = 0;
-  std::vector<std::array<Rgb<double>, kComponents>> brdf;
+struct Tally : PhotonTally {
+  std::size_t truncated_walks = 0;
   std::vector<Rgb<double>> bins;
 };
 
-class Walker {
+class Walker : Photon<Tally> {
  public:
   Walker(const Medium& medium, const WalkScene& scene, const std::vector<Detector>& detectors,
          std::size_t batch, const std::stop_token& stop)
-      : medium_(medium),
+      : Photon(RandomStream(scene.seed).substream(batch), detectors.size()),
+        medium_(medium),
         scene_(scene),
         detectors_(detectors),
-        stop_(stop),
-        random_(RandomStream(scene.seed).substream(batch)) {
-    tally_.brdf.resize(detectors.size());
+        stop_(stop) {
     tally_.bins.resize(static_cast<std::size_t>(scene.theta_bins * scene.phi_bins));
   }
 
@@ -97,15 +89,8 @@ class Walker {
   // One photon that has passed the surface in the direction d, weight 1.
   void walk(Vec3<double> d) {
     depth_ = 0;
-    direction_ = d;
-    weight_ = grey(1.0);
-    component_ = kNothing;
-    for (std::size_t i = 0; i < kMostScatterings; ++i) {
-      ++tally_.steps;
-      if (stop_.stop_requested() || !step() || !survives()) return;
-    }
-    tally_.truncated = tally_.truncated + weight_;
-    ++tally_.truncated_walks;
+    begin(d, grey(1.0));
+    if (!ends(stop_, [this] { return step(); })) ++tally_.truncated_walks;
   }
 
   // To the next event; false where the photon ends.
@@ -137,20 +122,6 @@ class Walker {
     return meet_pigment();
   }
 
-  // The rest is absorbed.
-  void keep(Rgb<double> share) {
-    tally_.absorbed = tally_.absorbed + weight_ * (grey(1.0) - share);
-    weight_ = weight_ * share;
-  }
-
-  bool survives() {
-    const double largest = max_component(weight_);
-    if (largest >= kRouletteWeight) return true;
-    if (!(random_() * kRouletteWeight < largest)) return false;
-    weight_ = weight_ * (kRouletteWeight / largest);
-    return true;
-  }
-
   bool meet_surface() {
     depth_ = 0;
     const double eta = medium_.eta;
@@ -178,28 +149,15 @@ class Walker {
     depth_ = 1;
     keep(scene_.substrate);
     component_ = with(substrate);
-    see([](Vec3<double> o) { return grey(o.z / kPi); });
-    const double r2 = random_(), phi = 2 * kPi * random_();
-    const double r = std::sqrt(r2);
-    direction_ = {r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r2)};
+    see(lambertian_phase);
+    direction_ = sample_lambertian(random_);
     return true;
   }
 
-  // Rayleigh.
   bool meet_pigment() {
     component_ = mixture;
-    const auto phase = [this](Vec3<double> o) {
-      const double cosine = dot(o, direction_);
-      return 3 / (16 * kPi) * (1 + cosine * cosine);
-    };
-    see([&](Vec3<double> o) { return grey(phase(o)); });
-    Vec3<double> d;
-    do {
-      const double z = 2 * random_() - 1, phi = 2 * kPi * random_();
-      const double sine = std::sqrt((1 - z) * (1 + z));
-      d = {sine * std::cos(phi), sine * std::sin(phi), z};
-    } while (random_() * 3 / (8 * kPi) >= phase(d));
-    direction_ = d;
+    see([this](Vec3<double> o) { return rayleigh_phase(dot(o, direction_)); });
+    direction_ = sample_rayleigh(direction_, random_);
     return true;
   }
 
@@ -216,28 +174,10 @@ class Walker {
       return flake_reflectance(some.flakes, size / 2) *
              (some.normals.density(sum / size) / (4 * area));
     });
-    const Vec3<double> n = some.normals.sample_met(direction_, random_);
-    const double cosine = dot(direction_, n);
-    const Rgb<double> mirrored = weight_ * flake_reflectance(some.flakes, std::abs(cosine));
-    const Rgb<double> passed = weight_ * flake_transmittance(some.flakes, std::abs(cosine));
-    tally_.absorbed = tally_.absorbed + (weight_ - mirrored - passed);
-    // Either way at random, by the sum over the colours: that sum then stays the same.
-    const double mirrored_sum = mirrored.x + mirrored.y + mirrored.z;
-    const double sum = mirrored_sum + (passed.x + passed.y + passed.z);
-    if (!(sum > 0)) return false;
-    const double probability = mirrored_sum / sum;
-    if (random_() < probability) {
-      weight_ = mirrored / probability;
-      direction_ = direction_ - n * (2 * cosine);
-    } else {
-      weight_ = passed / (1 - probability);
-      component_ = before;
-    }
-    return true;
+    const Met met = meet(some.flakes, some.normals.sample_met(direction_, random_));
+    if (met == Met::passed) component_ = before;
+    return met != Met::absorbed;
   }
-
-  // What the photon's way becomes by one more scattering.
-  int with(int scattering) const { return component_ == kNothing ? scattering : mixture; }
 
   // Next-event estimate: the light that this scattering sends straight to each detector.
   template <class Phase>
@@ -251,18 +191,11 @@ class Walker {
     }
   }
 
-  static constexpr int kNothing = -1;
-
   const Medium& medium_;
   const WalkScene& scene_;
   const std::vector<Detector>& detectors_;
   const std::stop_token& stop_;
-  Tally tally_;
-  RandomStream random_;
   double depth_ = 0;
-  Vec3<double> direction_{};
-  Rgb<double> weight_{};
-  int component_ = kNothing;
 };
 
 void require_above(const std::string& field, double z) {
@@ -289,10 +222,7 @@ void validate(const WalkScene& scene) {
   require_colour("substrate", scene.substrate, 1);
   require_unit("light", scene.light);
   require_above("light", scene.light.z);
-  if (scene.detectors.size() > kMostDetectors) {
-    reject("number of detectors", std::to_string(scene.detectors.size()),
-           "at most " + std::to_string(kMostDetectors));
-  }
+  require_detectors(scene.detectors.size());
   for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
     require_unit(at_row("detectors", i), scene.detectors[i]);
     require_above(at_row("detectors", i), scene.detectors[i].z);

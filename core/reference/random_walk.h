@@ -43,8 +43,6 @@ struct WalkResult {
   std::vector<Estimate> bins;       // share that comes back into each bin, row by row of theta
 };
 
-inline constexpr std::size_t kMostScatterings = 1'000'000;
-
 // An upper bound for the steps from event to event that a photon takes on average.
 double most_steps_of_a_photon(const Paint& paint);
 

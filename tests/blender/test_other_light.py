@@ -299,7 +299,7 @@ PIXELS, WIDTH = 96, 0.01
 SUN_ERROR, LAMP_ERROR = 0.002, 0.002
 MOST_SAMPLES = 144
 # Of the flakes' part under a lamp: what wide cones may be off by, beside the standard errors.
-CONE_BIAS = 0.01
+CONE_BIAS = 0.007
 
 
 def mirrored(

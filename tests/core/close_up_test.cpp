@@ -125,8 +125,6 @@ class Comparisons {
   std::string where_;
 };
 
-double channel(Rgb<double> c, int i) { return i == 0 ? c.x : i == 1 ? c.y : c.z; }
-
 double z_of(const Moments& found, double expected) {
   return (found.mean() - expected) / found.error_of_mean();
 }

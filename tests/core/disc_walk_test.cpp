@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "photons.h"
 #include "reference/explicit_flakes.h"
 #include "reference/random_walk.h"
 #include "support.h"
@@ -34,34 +35,6 @@ using metallic_paint::reference::Estimate;
 namespace reference = metallic_paint::reference;
 
 constexpr double kPi = std::numbers::pi;
-
-// Student's deviate for the normal one, as in random_walk_test.cpp.
-double student_threshold(double tests, double batches) {
-  const double z = sidak_threshold(kFreshLevel, tests);
-  return z * (1 + (z * z + 1) / (4 * (batches - 1)));
-}
-
-double channel(Rgb<double> v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
-
-Vec3<double> direction(double degrees, double phi = 0) {
-  const double theta = degrees * kPi / 180;
-  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-}
-
-// The largest deviation in standard errors, beyond `slack`, a share of what is expected.
-void see(Worst& worst, Estimate value, Estimate expected, const std::string& where,
-         double slack = 0) {
-  for (int i = 0; i < 3; ++i) {
-    const double a = channel(value.mean, i), b = channel(expected.mean, i);
-    const double off = std::fabs(a - b) - slack * std::fabs(b);
-    if (off <= 1e-12) {
-      worst.see(0, "at", where);
-      continue;
-    }
-    const double error = std::hypot(channel(value.error, i), channel(expected.error, i));
-    worst.see(off / error, "at", where, "channel", i, "value", a, "expected", b);
-  }
-}
 
 // Flakes of the diameter (over the thickness) that cover so much; no spread of their areas.
 void cover(FlakeSpecies& flakes, double thickness_um, double diameter, double coverage) {

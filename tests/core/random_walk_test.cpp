@@ -19,6 +19,7 @@
 
 #include "flake_brdf.h"
 #include "independent.h"
+#include "photons.h"
 #include "quadrature.h"
 #include "scenes.h"
 #include "sparkles.h"
@@ -39,34 +40,6 @@ using metallic_paint::reference::WalkScene;
 namespace walk_reference = metallic_paint::reference;
 
 constexpr double kPi = std::numbers::pi;
-
-// Standard errors come from `batches` means: Student's deviate for the normal one, to first order
-// in the degrees of freedom (Fisher's expansion).
-double student_threshold(double tests, double batches = 256) {
-  const double z = sidak_threshold(kFreshLevel, tests);
-  return z * (1 + (z * z + 1) / (4 * (batches - 1)));
-}
-
-double channel(Rgb<double> v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
-
-// The largest deviation in standard errors, beyond `slack`.
-void see(Worst& worst, Rgb<double> value, Rgb<double> error, Rgb<double> expected,
-         const std::string& where, double slack = 0) {
-  for (int i = 0; i < 3; ++i) {
-    const double off = std::abs(channel(value, i) - channel(expected, i)) - slack;
-    if (off <= 1e-12) {
-      worst.see(0, "at", where);
-    } else {
-      worst.see(off / channel(error, i), "at", where, "channel", i, "value", channel(value, i),
-                "expected", channel(expected, i));
-    }
-  }
-}
-
-Vec3<double> direction(double degrees, double phi = 0) {
-  const double theta = degrees * kPi / 180;
-  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-}
 
 std::string text(const Paint& p) {
   std::ostringstream out;
@@ -508,7 +481,7 @@ TEST(RandomWalk, ThinPigmentScattersOnce) {
                        (eta * eta * c * c_light);
       const Estimate& found = result.brdf[i].total;
       see(worst, found.mean, found.error, grey(f), text(scene.paint),
-          3 * depth * (1 - std::log(depth)) * f);
+          grey(3 * depth * (1 - std::log(depth)) * f));
       EXPECT_LE(found.error.x, 0.02 * f);
     }
   }

@@ -203,6 +203,8 @@ inline Rgb<double> exact_slant_depth(const Layer<double>& layer, double cos_in) 
   return slant_depth(blocking, layer.binder_depth, cos_in);
 }
 
+inline double channel(Rgb<double> c, int i) { return i == 0 ? c.x : i == 1 ? c.y : c.z; }
+
 inline Vec3<double> spherical(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }

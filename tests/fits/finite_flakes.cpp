@@ -36,8 +36,7 @@ constexpr Geometry kGeometries[] = {
 constexpr std::size_t kGeometriesInAll = std::size(kGeometries);
 
 Vec3<double> direction(double degrees, double azimuth) {
-  const double theta = degrees * kPi / 180, phi = azimuth * kPi / 180;
-  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+  return spherical(degrees * kPi / 180, azimuth * kPi / 180);
 }
 
 // Tilts, coverages and flakes as car paints have them, and beyond.
