@@ -754,7 +754,12 @@ def test_an_appended_paint_joins_the_lights_of_the_file(tmp_path: Path, place: P
 
 
 def test_a_linked_paint_that_cannot_be_filled_is_told(tmp_path: Path, place: Place) -> None:
+    """One of a file that is no library."""
     file = save_paint(tmp_path, place)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    lights.node_group()["metallic_paint_looks"] = False
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     with bpy.data.libraries.load(file, link=True) as (there, here):
         here.materials = there.materials
     report = fill()

@@ -295,8 +295,9 @@ def test_an_older_paint_is_named_and_the_others_are_reported_on() -> None:
     assert "Ball, Metallic Paint: " in said(scene, "INFO")
 
 
-def test_a_linked_paint_keeps_its_lights_and_that_is_said(tmp_path: Path) -> None:
+def test_a_linked_paint_that_keeps_its_lights_is_told_of(tmp_path: Path) -> None:
     scene = build()
+    lights.node_group()["metallic_paint_looks"] = False
     link_paint(scene.objects["Ball"], tmp_path / "theirs.blend")
     text = said(scene)
     linked = rf"Ball: the paint is linked from {re.escape(str(tmp_path))}.theirs\.blend"
@@ -304,10 +305,11 @@ def test_a_linked_paint_keeps_its_lights_and_that_is_said(tmp_path: Path) -> Non
     assert "flakes a pixel" not in text
 
 
-def test_a_file_of_linked_paints_alone_is_not_told_to_add_lights(
+def test_a_file_of_such_linked_paints_alone_is_not_told_to_add_lights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = build()
+    lights.node_group()["metallic_paint_looks"] = False
     link_paint(scene.objects["Ball"], tmp_path / "theirs.blend")
     nothing = needs.Needs(lights.Report((), {}, lights.linked_files()), ())
     monkeypatch.setattr(needs, "fit", lambda _: nothing)

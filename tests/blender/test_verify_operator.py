@@ -21,7 +21,7 @@ from metallic_paint import verify
 from metallic_paint.interface import verify as interface
 from metallic_paint.native import core_missing
 from metallic_paint.paint import material, presets, shader
-from metallic_paint.scene import needs
+from metallic_paint.scene import lights, needs
 from metallic_paint.verify import check
 from metallic_paint.verify import job as verify_job
 from metallic_paint.verify.check import VerifyError, as_found
@@ -369,9 +369,39 @@ def test_what_shows_as_instances_alone_is_said() -> None:
         run(scene, thing, SIZE)
 
 
-def test_a_linked_paint_is_refused_as_it_keeps_the_lights_of_its_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize("what", ["material", "object", "override"])
+def test_a_linked_paint_is_checked_under_the_lights_of_this_file(tmp_path: Path, what: str) -> None:
     scene = build()
     thing = scene.objects["Monkey"]
+    if what == "material":
+        link_paint(thing, tmp_path / "theirs.blend")
+    else:
+        file = str(tmp_path / "theirs.blend")
+        needs.fit(scene)
+        bpy.data.libraries.write(file, {thing})
+        bpy.data.objects.remove(thing)
+        for each in (*bpy.data.materials, *bpy.data.node_groups):
+            bpy.data.batch_remove([each])
+        with bpy.data.libraries.load(file, link=True) as (_, here):
+            here.objects = ["Monkey"]
+        [thing] = here.objects
+        scene.collection.objects.link(thing)
+        if what == "override":
+            thing = thing.override_create(remap_local_usages=True)
+    needs.fit(scene)
+    assert lights.linked_groups()
+    assert why_not(scene, thing) == ""
+    found = run(scene, thing, SIZE)
+    assert found.agrees, str(found)
+    assert found.pixels > 100
+
+
+def test_a_linked_paint_is_refused_where_it_keeps_the_lights_of_its_file(
+    tmp_path: Path,
+) -> None:
+    scene = build()
+    thing = scene.objects["Monkey"]
+    lights.node_group()["metallic_paint_looks"] = False
     link_paint(thing, tmp_path / "theirs.blend")
     said = why_not(scene, thing)
     assert re.search(r"linked from .*theirs\.blend and keeps its lights: check it in that", said)

@@ -89,7 +89,7 @@ def test_duplicates_and_instances_keep_the_paint(addon: Addon, painted: bpy.type
 def test_paint_from_another_file(
     addon: Addon, painted: bpy.types.Object, tmp_path: Path, link: bool
 ) -> None:
-    """Appended, it takes this file's lights; linked, it keeps its own, and the panel says so."""
+    """It takes this file's lights; linked, through the scene."""
     painted.active_material.name = "Theirs"
     add_sun("Their Sun")
     file = str(tmp_path / "other.blend")
@@ -106,7 +106,8 @@ def test_paint_from_another_file(
     assert addon("paint.material").paint_of(theirs) == addon("paint.presets").load("gold")
     assert "light 1: Our Sun" in addon("scene.needs").said()
     assert "Their Sun" not in addon("scene.needs").said()
-    assert ("do not see these lights" in addon("scene.needs").said()) == link
+    assert "do not see these lights" not in addon("scene.needs").said()
+    assert ("metallic_paint_lights" in bpy.context.scene) == link
     own = addon("scene.lights").groups()
     assert len(own) == 1
     slots = {
@@ -197,17 +198,34 @@ def test_pasted_object_does_not_bring_the_lamps_a_second_time(
     assert addon("scene.lights").in_slots() == [sun]
 
 
-def test_file_with_only_a_linked_paint_is_left_alone(
+def test_file_with_only_a_linked_paint_gives_it_its_lights(
     addon: Addon, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
+    """By itself, by Update Lights, and in the saved file."""
     file = str(tmp_path / "other.blend")
     bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
     bpy.ops.wm.read_homefile(use_empty=True)
+    add_sun()
+    assert not bpy.ops.scene.metallic_paint_update_lights.poll()
     with bpy.data.libraries.load(file, link=True) as (_, into):
         into.objects = ["Sphere"]
     bpy.context.scene.collection.objects.link(into.objects[0])
-    add_sun()
-    assert addon("scene.lights").groups() == []
+    bpy.context.view_layer.update()
+
+    def is_told() -> bool:
+        scene = bpy.context.scene
+        tree = addon("scene.carrier").only()
+        assert addon("scene.needs").is_fitted(scene)
+        assert "light 1: Sun" in addon("scene.needs").said()
+        return scene["metallic_paint_lights"] == tree and len(addon("scene.carrier").values()) == 1
+
+    assert is_told()
+    assert bpy.ops.scene.metallic_paint_update_lights() == {"FINISHED"}
+    assert is_told()
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert is_told()
 
 
 def test_saved_file_reloads_whole(addon: Addon, painted: bpy.types.Object, tmp_path: Path) -> None:

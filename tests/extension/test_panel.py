@@ -80,8 +80,12 @@ def test_panel_tells_what_the_last_fit_said(cube: bpy.types.Object) -> None:
     assert all(len(text) <= 60 for text in shown.texts)
 
 
-def test_panel_names_the_files_of_linked_paints(cube: bpy.types.Object, tmp_path: Path) -> None:
+def test_panel_names_the_files_of_linked_paints(
+    addon: Addon, cube: bpy.types.Object, tmp_path: Path
+) -> None:
     bpy.ops.material.metallic_paint_new(preset="gold")
+    slots = addon("scene.lights")
+    slots.node_group()["metallic_paint_looks"] = False
     file = str(tmp_path / "gold.blend")
     bpy.data.libraries.write(file, {cube.active_material})
     bpy.ops.wm.read_homefile(use_empty=True)
@@ -91,7 +95,7 @@ def test_panel_names_the_files_of_linked_paints(cube: bpy.types.Object, tmp_path
     bpy.context.object.active_material = into.materials[0]
     shown = " ".join(panel().texts)
     assert "gold.blend: they cannot be edited" in shown
-    assert "Append them instead" in shown
+    assert "Mark one as an asset in that file" in shown
 
 
 def test_panel_does_not_offer_to_replace_a_paint_within_a_node_group(

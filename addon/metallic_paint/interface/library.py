@@ -46,7 +46,7 @@ class PREFERENCES_OT_metallic_paint_add_library(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         libraries = context.preferences.filepaths.asset_libraries
         library = libraries.new(name=NAME, directory=str(FOLDER))
-        if library.import_method == "PACK":  # Blender 5: linked, so neither edited nor lit here
+        if library.import_method == "PACK":  # Blender 5: linked, so not edited here
             library.import_method = "APPEND"
         context.preferences.is_dirty = True
         return {"FINISHED"}

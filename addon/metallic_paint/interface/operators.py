@@ -183,7 +183,7 @@ This happens by itself while one works; a script calls it"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not lights.groups():
+        if not lights.has_any():
             cls.poll_message_set("This file has no metallic paint")
             return False
         return has_cycles(cls, context)

@@ -42,8 +42,8 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") 
 
 
 _LINKED = (
-    "The paints are linked from {}: they cannot be edited and do not see the lights of this file. "
-    "Append them instead."
+    "The paints are linked from {}: they cannot be edited, and do not see the lights of this file "
+    "as none is an asset there. Mark one as an asset in that file and save it, or append them."
 )
 
 

@@ -268,9 +268,9 @@ def frame_of(node: bpy.types.ShaderNodeGroup, scene: bpy.types.Scene) -> int:
 
 
 def linked_from(node: bpy.types.ShaderNodeGroup) -> str:
-    """The file whose lights the paint knows, as Blender writes it; empty for the node's own."""
+    """The file whose lights the paint keeps, as Blender writes it; empty where it sees ours."""
     trees = (each.node_tree for each in node.node_tree.nodes if each.type == "GROUP")
-    held = [tree for tree in trees if tree is not None and lights.version(tree)]
+    held = [tree for tree in trees if tree is not None and lights.keeps_lights(tree)]
     return next((tree.library.filepath for tree in held if tree.library), "")
 
 

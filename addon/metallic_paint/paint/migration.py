@@ -176,7 +176,7 @@ def _remove_unused() -> None:
                 if text.users <= text.use_fake_user:
                     bpy.data.texts.remove(text)
     for group in [each for each in bpy.data.node_groups if each.library is None]:
-        if group.users == 0 and 0 < lights.version(group) < lights.VERSION:
+        if group.users == 0 and lights.is_outdated(group):
             bpy.data.node_groups.remove(group)
     group = material.node_group()
     group.name, group.nodes[material.NAME].script.name = material.NAME, shader.FILE

@@ -11,6 +11,10 @@ property leads to it, it can have drivers, and no material or mesh has to be pre
 Copies of an object point to it too, and what is appended brings its own along (`only`). An object
 that has none shows the lights where they stood when their number or kind changed last.
 
+An object that is linked from another file cannot be given one: it points to the carrier of its own
+file. For these the file's scenes point to the carrier too, where an Attribute node of type View
+Layer finds the same values by the same path, at the price of a compilation for each change.
+
 Drivers feed it with simple expressions, which Blender evaluates without running Python, so that a
 render machine needs neither this add-on nor permission to run scripts. Direction and position come
 from the light's matrix, as Cycles takes them: the normalised third column towards a sun, the fourth
@@ -22,7 +26,6 @@ along the first two columns.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -32,7 +35,7 @@ from mathutils import Matrix, Vector
 
 NAME = ".Metallic Paint Lights"  # menus leave out what begins with a dot
 _MARK = "metallic_paint_carrier"
-_POINTER = "metallic_paint_lights"  # an object's property
+_POINTER = "metallic_paint_lights"  # an object's property, and a scene's
 
 SLOTS = 8
 PARALLEL, POSITIONED, AREA, SKY = 1, 2, 3, 4  # the shader's kinds; 0 is an unused slot
@@ -56,26 +59,40 @@ _RECTANGULAR = (
     "sqrt((a*a+b*b+c*c)*u*u+(d*d+e*e+f*f)*v*v)/2",
 )
 
-_FRAME = "Frame"
+_FRAME, _FILE, _GROUP = "Frame", "File", "Group"
 FRAME_PATH = f'["{_POINTER}"]["{_FRAME}"]'  # where such an object has the scene's frame
+FILE_PATH = f'["{_POINTER}"]["{_FILE}"]'  # where a scene has what constants of linked paints are
 
 
 def path(slot: int, kind: int) -> str:
     """Where an object that shows a paint has the four numbers of a slot, 1..8.
 
-    The name tells the kind: a paint that is linked from another file does not take a place of this
-    one for the direction that it expects there.
+    The name tells the kind: a paint that keeps the lights of another file does not take a place of
+    this one for the direction that it expects there.
     """
     return f'["{_POINTER}"]["{_name(slot, kind)}"]'
 
 
+def scene_path(slot: int) -> str:
+    """Where a scene has them, of whatever kind."""
+    return f'["{_POINTER}"]["{_name(slot)}"]'
+
+
 def facing_path(slot: int) -> str:
-    """Where it has the normal of an area light, as long as the light's farthest point is off."""
+    """Where it has the normal of an area light, as long as the light's farthest point is off, and
+    in the fourth place the slot's kind.
+    """
     return f'["{_POINTER}"]["{_facing_name(slot)}"]'
 
 
-def _name(slot: int, kind: int) -> str:
-    return f"Light{slot}{_NAMES[kind]}"
+def _name(slot: int, kind: int | None = None) -> str:
+    return f"Light{slot}{_NAMES[kind] if kind else ''}"
+
+
+def _names(slot: int, kind: int) -> list[str]:
+    """For objects, and for scenes where they carry it."""
+    for_scenes = any(scene.get(_POINTER) for scene in _own_scenes())
+    return [_name(slot, kind), _name(slot)] if for_scenes else [_name(slot, kind)]
 
 
 def _facing_name(slot: int) -> str:
@@ -123,6 +140,28 @@ def is_attached(things: Collection[bpy.types.Object]) -> bool:
     return len(trees) == 1 and all(thing.get(_POINTER) == trees[0] for thing in things)
 
 
+def attach_to_scenes(needed: bool) -> bool:
+    """Lets all scenes of the file carry it, or none; returns whether that was new to any."""
+    tree = only() if needed else None
+    new = [scene for scene in _own_scenes() if scene.get(_POINTER) != tree]
+    for scene in new:
+        if needed:
+            scene[_POINTER] = tree
+        else:
+            del scene[_POINTER]
+        scene.update_tag()
+    return bool(new)
+
+
+def is_attached_to_scenes(needed: bool) -> bool:
+    tree = next(iter(all_of_file()), None) if needed else None
+    return all(scene.get(_POINTER) == tree for scene in _own_scenes())
+
+
+def _own_scenes() -> list[bpy.types.Scene]:
+    return [scene for scene in bpy.data.scenes if scene.library is None]
+
+
 # --- its values --------------------------------------------------------------------------------
 
 
@@ -165,14 +204,14 @@ def _is_round(lamp: bpy.types.AreaLight) -> bool:
 
 def values() -> list[tuple[int, Vector, float, Vector]]:
     """Kind, vector, size and facing of the slots in use, as they stand, in single precision."""
-    found = {}
+    found = []
     for tree in all_of_file()[:1]:
-        for slot, kind in itertools.product(range(1, SLOTS + 1), _NAMES):
-            if (numbers := tree.get(_name(slot, kind))) is not None:
-                *vector, size = np.array(numbers, np.float32).tolist()
-                facing = np.array(tree.get(_facing_name(slot), (0, 0, 0)), np.float32).tolist()
-                found[slot] = kind, Vector(vector), size, Vector(facing)
-    return [*found.values()]
+        for slot in range(1, SLOTS + 1):
+            if (what := tree.get(_facing_name(slot))) is not None:
+                *facing, kind = np.array(what, np.float32).tolist()
+                *vector, size = np.array(tree[_name(slot, round(kind))], np.float32).tolist()
+                found.append((round(kind), Vector(vector), size, Vector(facing)))
+    return found
 
 
 def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]) -> None:
@@ -180,7 +219,7 @@ def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object,
     tree = only()
     for data_path, index in _driven(tree):
         tree.driver_remove(data_path, index)
-    for name in {*tree.keys()} - {_MARK, _FRAME}:
+    for name in {*tree.keys()} - {_MARK, _FRAME, _FILE, _GROUP}:
         del tree[name]
     set_values(lights, matrices)
     for (data_path, index), (expression, variables) in _channels(lights).items():
@@ -195,29 +234,26 @@ def _channels(lights: Sequence[bpy.types.Object]) -> _Channels:
     found: _Channels = {}
     for slot, light in enumerate(lights, 1):
         kind = KINDS[light.data.type]
-        data_path = f'["{_name(slot, kind)}"]'
         if isinstance(light.data, bpy.types.AreaLight):
-            for i, c in enumerate("xyz"):
-                found[data_path, i] = c, dict(_column(light, 3, "xyz"))
             size, reach = _ROUND if _is_round(light.data) else _RECTANGULAR
             sides = {
                 **dict(_column(light, 0, "abc")), **dict(_column(light, 1, "def")),
                 "u": (light.data, "size"), "v": (light.data, _second_side(light.data)),
             }  # fmt: skip
-            found[data_path, 3] = size, sides
+            numbers = [(c, dict(_column(light, 3, "xyz"))) for c in "xyz"] + [(size, sides)]
             facing_path = f'["{_facing_name(slot)}"]'
             for i, c in enumerate("xyz"):
                 found[facing_path, i] = (
                     f"-{c}{_UNIT}*{reach}", {**dict(_column(light, 2, "xyz")), **sides},
                 )  # fmt: skip
-            continue
-        for i, expression in enumerate(_EXPRESSIONS[kind][:3]):
-            found[data_path, i] = (
-                expression,
-                dict(_column(light, 2 if kind == PARALLEL else 3, "xyz")),
-            )
-        size = "angle" if kind == PARALLEL else "shadow_soft_size"
-        found[data_path, 3] = _EXPRESSIONS[kind][3], {"size": (light.data, size)}
+        else:
+            *place, size = _EXPRESSIONS[kind]
+            column = dict(_column(light, 2 if kind == PARALLEL else 3, "xyz"))
+            source = "angle" if kind == PARALLEL else "shadow_soft_size"
+            numbers = [(each, column) for each in place] + [(size, {"size": (light.data, source)})]
+        for name in _names(slot, kind):
+            for i, number in enumerate(numbers):
+                found[f'["{name}"]', i] = number
     return found
 
 
@@ -235,22 +271,35 @@ def set_values(
     tree = only()
     for slot, light in enumerate(lights, 1):
         kind = KINDS[light.data.type]
-        tree[_name(slot, kind)] = numbers_of(light, matrices[light])
-        if kind == AREA:
-            tree[_facing_name(slot)] = facing_of(light, matrices[light])
+        for name in _names(slot, kind):
+            tree[name] = numbers_of(light, matrices[light])
+        tree[_facing_name(slot)] = (*facing_of(light, matrices[light]), float(kind))
     tree.update_tag()
 
 
 def set_sky(slot: int, numbers: tuple[float, float, float, float] | None) -> None:
     """Where the sun of the world stands, which no driver follows; None: it has none."""
     tree = only()
-    name = _name(slot, SKY)
-    for other in [key for key in {*tree.keys()} if key.endswith(_NAMES[SKY]) and key != name]:
-        del tree[other]
+    for other in range(slot, SLOTS + 1):
+        for name in {_name(other), _name(other, SKY), _facing_name(other)} & {*tree.keys()}:
+            del tree[name]
     if numbers is not None:
-        tree[name] = numbers
-    elif name in tree:
-        del tree[name]
+        tree[_facing_name(slot)] = (0.0, 0.0, 0.0, float(SKY))
+        for name in _names(slot, SKY):
+            tree[name] = numbers
+    tree.update_tag()
+
+
+def tell_scenes(numbers: tuple[float, float, float] | None, group: bpy.types.NodeTree) -> None:
+    """What linked paints read of the file itself, and the group that is kept with it; None: no
+    paint is linked.
+    """
+    tree = only()
+    if numbers is not None:
+        tree[_FILE], tree[_GROUP] = numbers, group
+    else:
+        for name in {*tree.keys()} & {_FILE, _GROUP}:
+            del tree[name]
     tree.update_tag()
 
 

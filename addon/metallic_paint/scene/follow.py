@@ -73,7 +73,7 @@ def _fit_if_changed() -> None:
     if _is_rendering():
         return
     _state.changed = False
-    if lights.groups():
+    if lights.has_any():
         _fit(needs.scene_to_fit(bpy.context.scene))
         if _state.repaint and not _shows_renders():
             _state.repaint = False

@@ -5,11 +5,18 @@ The shader has to know direction and size of a light that makes sparkles; Cycles
 strength, shadow and linking. One node group per file holds the slots. Which slots are in use, and
 by what kind of light, are constants in it: OSL leaves out what they do not need. Where the lights
 are comes from the carrier (carrier.py), so that no shader is compiled when they move.
+
+A paint that is linked from another file brings that file's group along, which cannot be changed.
+So the group of a file that is made to be linked (is_library) knows its file by a number, and looks
+what number the scene has. Where that is another one, all slots are what the scene has. The
+comparison folds: what is not taken is free. Only, Cycles prepares a paint that looks at the scene
+anew whenever anything moves, so the groups of other files do not look.
 """
 
 from __future__ import annotations
 
 import math
+import secrets
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -20,12 +27,15 @@ from mathutils import Matrix, Vector
 from . import carrier, sky
 
 NAME = "Metallic Paint Lights"
-VERSION = 4  # of its outputs: paints of an older version keep the group that they came with
+VERSION = 5  # of its nodes
+_LEAST_VERSION = 4  # with these outputs: paints of an older one keep the group they came with
 SLOTS = carrier.SLOTS
 METERS_PER_UNIT = "MetersPerUnit"
 OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
 
-_MARK = "metallic_paint_lights"  # custom property of the group, holds its version
+# Custom properties of the group: its version, its file's number, which a float holds, and whether
+# it looks at the scene.
+_MARK, _FILE, _LOOKS = "metallic_paint_lights", "metallic_paint_file", "metallic_paint_looks"
 
 # The edge of a disc of 0.3 rad, seen head on, is then 30 % darker than its centre, and its sparkles
 # are those of a disc of 1 % less.
@@ -33,7 +43,10 @@ _LEAST_SPREAD = math.radians(90)
 _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
 
 
+_Constant = float | tuple[float, ...]
+_Type = Literal["FLOAT", "VECTOR"]
 _Constants = tuple[tuple[float, float, float, float], tuple[float, float, float]]
+_OF_SCENE = METERS_PER_UNIT, OTHER_LIGHT
 
 
 @dataclass(frozen=True)
@@ -69,7 +82,41 @@ def node_group() -> bpy.types.ShaderNodeTree:
 def groups() -> list[bpy.types.ShaderNodeTree]:
     """The file's own groups of light slots: none without a paint, several after an append."""
     trees = [tree for tree in bpy.data.node_groups if isinstance(tree, bpy.types.ShaderNodeTree)]
-    return [each for each in trees if version(each) >= VERSION and each.library is None]
+    return [each for each in trees if version(each) >= _LEAST_VERSION and each.library is None]
+
+
+def linked_groups() -> list[bpy.types.NodeTree]:
+    """Those of other files whose paints see the lights of this one."""
+    return [each for each in bpy.data.node_groups if each.get(_LOOKS) and each.library]
+
+
+def is_library() -> bool:
+    """Whether this file's paints are for others to link.
+
+    So they are where one is marked as an asset, itself or what shows it, and where nothing can be
+    rendered as no scene has a camera.
+    """
+    if not any(scene.camera for scene in bpy.data.scenes):
+        return True
+    things = (*bpy.data.materials, *bpy.data.objects, *bpy.data.collections)
+    return any(each.asset_data and not each.library and _shows_paint(each) for each in things)
+
+
+def _shows_paint(what: bpy.types.Material | bpy.types.Object | bpy.types.Collection) -> bool:
+    if isinstance(what, bpy.types.Material):
+        return holds_slots(what.node_tree)
+    things = what.all_objects if isinstance(what, bpy.types.Collection) else [what]
+    return any(map(is_painted, things))
+
+
+def is_outdated(group: bpy.types.NodeTree) -> bool:
+    """Whether it is a group of light slots that today's paints cannot use."""
+    return 0 < version(group) < _LEAST_VERSION
+
+
+def has_any() -> bool:
+    """Whether the file has a paint that can be given its lights."""
+    return bool(groups() or linked_groups())
 
 
 def version(group: bpy.types.ID) -> int:
@@ -108,6 +155,7 @@ def fill(scene: bpy.types.Scene) -> Report:
             left_out[light] = f"{SLOTS} {others} lights have the slots"
         lights = [light for light in lights if light in brightest[:SLOTS]]
     attached = carrier.attach(showing_paint())
+    attached |= carrier.attach_to_scenes(bool(linked_groups()))
     if attached or not carrier.is_fed_by(lights):  # Blender notes a new way there with new drivers
         carrier.feed(lights, matrices)
         for layer in layers:
@@ -121,9 +169,10 @@ def fill(scene: bpy.types.Scene) -> Report:
     if in_sky:
         kinds.append(carrier.SKY)
         numbers.append((in_sky, (0.0, 0.0, 0.0)))
-    if _kinds(group) != kinds:
+    if not is_current(group) or _kinds(group) != kinds:
         _build(group, kinds, numbers)
     _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
+    _tell_scenes(group)
     return Report(tuple(lights), left_out, linked_files(), sun.name if sun else "")
 
 
@@ -143,7 +192,30 @@ def why_not(light: bpy.types.Object) -> str:
 
 def show_other_light(needed: bool) -> None:
     """Whether the flakes show light from elsewhere than the slots; in a new file they do."""
-    _set(node_group(), OTHER_LIGHT, float(needed))
+    group = node_group()
+    _set(group, OTHER_LIGHT, float(needed))
+    _tell_scenes(group)
+
+
+def _tell_scenes(group: bpy.types.ShaderNodeTree) -> None:
+    meters, other_light = (constant(name) for name in (METERS_PER_UNIT, OTHER_LIGHT))
+    told = (float(group[_FILE]), meters, other_light) if linked_groups() else None
+    carrier.tell_scenes(told, group)
+
+
+def is_current(group: bpy.types.ShaderNodeTree) -> bool:
+    """Whether it has today's nodes, and another number than every linked one."""
+    return version(group) >= VERSION and _has_own_number(group) and group[_LOOKS] == is_library()
+
+
+def keeps_lights(group: bpy.types.ID) -> bool:
+    """Whether it is a group of light slots that has its own file's lights wherever it is linked."""
+    return bool(version(group)) and not group.get(_LOOKS)
+
+
+def _has_own_number(group: bpy.types.ShaderNodeTree) -> bool:
+    """Copies of a file have the same one until they meet."""
+    return _FILE in group and group[_FILE] not in {each[_FILE] for each in linked_groups()}
 
 
 def in_slots() -> list[bpy.types.Object]:
@@ -173,41 +245,128 @@ def _build(
     numbers: Sequence[_Constants],
 ) -> None:
     """Slots of these kinds, 1 first; the numbers are for objects that have no carrier."""
+    of_scene = {
+        name: _own(group, name).default_value if version(group) else 1 for name in _OF_SCENE
+    }
     out = _output(group)
     for node in [each for each in group.nodes if each != out]:
         group.nodes.remove(node)
     group.animation_data_clear()
-    if version(group) < VERSION:
-        group[_MARK] = VERSION
-        for name in (METERS_PER_UNIT, OTHER_LIGHT):
-            out.inputs[name].default_value = 1
+    group[_MARK] = VERSION
+    if not _has_own_number(group):
+        group[_FILE] = 1 + secrets.randbelow(2**24 - 1)
+    group[_LOOKS] = is_library()
+    scene = _look_at_scene(group) if group[_LOOKS] else None
+    for name in _OF_SCENE:
+        _hand_out(group, name, of_scene[name], scene)
     for slot in range(1, SLOTS + 1):
-        kind, vector, size, facing = (out.inputs[name] for name in slot_names(slot))
-        if slot > len(kinds):
-            kind.default_value = 0
-            continue
-        kind.default_value = kinds[slot - 1]
-        (x, y, z, own_size), own_facing = numbers[slot - 1]
-        carried = _carried(group, carrier.path(slot, kinds[slot - 1]))
-        is_there = group.nodes.new("ShaderNodeMath")
-        is_there.operation, is_there.inputs[1].default_value = "GREATER_THAN", 0
-        group.links.new(carried.outputs["Alpha"], is_there.inputs[0])
-        place = _mix(group, "VECTOR", is_there, (x, y, z), carried.outputs["Vector"], vector)
-        extent = _mix(group, "FLOAT", is_there, own_size, carried.outputs["Alpha"], size)
-        row = [carried, is_there, place, extent]
-        if kinds[slot - 1] == carrier.AREA:
-            side = _carried(group, carrier.facing_path(slot))
-            normal = _mix(group, "VECTOR", is_there, own_facing, side.outputs["Vector"], facing)
-            row += [side, normal]
-        for column, node in enumerate(row):
-            node.location = 200 * (column - len(row)), -250 * slot
+        row = []
+        here: list[bpy.types.NodeSocket | _Constant] = [0.0, (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)]
+        if slot <= len(kinds):
+            here[0] = float(kinds[slot - 1])
+            (*own_place, own_size), own_facing = numbers[slot - 1]
+            carried = _attribute(group, "INSTANCER", carrier.path(slot, kinds[slot - 1]))
+            is_there = _compute(group, "GREATER_THAN", carried.outputs["Alpha"], 0)
+            place = _mix(group, "VECTOR", is_there, tuple(own_place), carried.outputs["Vector"])
+            extent = _mix(group, "FLOAT", is_there, own_size, carried.outputs["Alpha"])
+            here[1:3] = _result(place), _result(extent)
+            row = [carried, is_there, place, extent]
+            if kinds[slot - 1] == carrier.AREA:
+                side = _attribute(group, "INSTANCER", carrier.facing_path(slot))
+                normal = _mix(group, "VECTOR", is_there, own_facing, side.outputs["Vector"])
+                here[3] = _result(normal)
+                row += [side, normal]
+        if scene:
+            row += scene.slots[slot - 1]
+        for name, own in zip(slot_names(slot), here, strict=True):
+            row += _hand_out(group, name, own, scene)
+        _arrange(row, slot)
 
 
-def _carried(group: bpy.types.ShaderNodeTree, path: str) -> bpy.types.Node:
+@dataclass(frozen=True)
+class _Scene:
+    """What the nodes of a group find at the scene."""
+
+    is_elsewhere: bpy.types.Node  # 1 where the scene is another file's
+    values: dict[str, bpy.types.NodeSocket]  # of each output
+    slots: list[list[bpy.types.Node]]
+
+
+def _look_at_scene(group: bpy.types.ShaderNodeTree) -> _Scene:
+    told = _attribute(group, "VIEW_LAYER", carrier.FILE_PATH)
+    apart = group.nodes.new("ShaderNodeSeparateXYZ")
+    group.links.new(told.outputs["Vector"], apart.inputs[0])
+    number, *values = apart.outputs
+    is_known = _compute(group, "GREATER_THAN", number, 0.5)
+    is_own = _compute(group, "COMPARE", number, group[_FILE], 0.5)
+    is_elsewhere = _compute(group, "GREATER_THAN", is_known.outputs[0], is_own.outputs[0])
+    _arrange([told, apart, is_known, is_own, is_elsewhere], 0)
+    found = dict(zip(_OF_SCENE, values, strict=True))
+    slots = []
+    for slot in range(1, SLOTS + 1):
+        where = _attribute(group, "VIEW_LAYER", carrier.scene_path(slot))
+        what = _attribute(group, "VIEW_LAYER", carrier.facing_path(slot))
+        sources = (what, "Alpha"), (where, "Vector"), (where, "Alpha"), (what, "Vector")
+        for name, (node, output) in zip(slot_names(slot), sources, strict=True):
+            found[name] = node.outputs[output]
+        slots.append([where, what])
+    return _Scene(is_elsewhere, found, slots)
+
+
+def _hand_out(
+    group: bpy.types.ShaderNodeTree,
+    name: str,
+    own: bpy.types.NodeSocket | _Constant,
+    scene: _Scene | None,
+) -> list[bpy.types.Node]:
+    """What an output gives: the file's own, or the scene's where that is another file's."""
+    into = _output(group).inputs[name]
+    if scene is None:
+        _feed(group, into, own)
+        return []
+    value = scene.values[name]
+    data_type: _Type = "VECTOR" if value.type == "VECTOR" else "FLOAT"
+    chosen = _mix(group, data_type, scene.is_elsewhere, own, value, into)
+    chosen.name = name
+    return [chosen]
+
+
+def _arrange(row: Sequence[bpy.types.Node], line: int) -> None:
+    for column, node in enumerate(row):
+        node.location = 200 * (column - len(row)), -250 * line
+
+
+def _attribute(
+    group: bpy.types.ShaderNodeTree, of: Literal["INSTANCER", "VIEW_LAYER"], path: str
+) -> bpy.types.Node:
+    """INSTANCER: of what is instanced, or else the object itself; VIEW_LAYER: of the scene."""
     node = group.nodes.new("ShaderNodeAttribute")
-    node.attribute_type = "INSTANCER"  # what is instanced, or else the object itself
+    node.attribute_type = of
     node.attribute_name = path
     return node
+
+
+def _compute(
+    group: bpy.types.ShaderNodeTree,
+    operation: Literal["GREATER_THAN", "COMPARE"],
+    *values: bpy.types.NodeSocket | float,
+) -> bpy.types.Node:
+    node = group.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for socket, value in zip(node.inputs, values, strict=False):
+        _feed(group, socket, value)
+    return node
+
+
+def _feed(
+    group: bpy.types.ShaderNodeTree,
+    socket: bpy.types.NodeSocket,
+    value: bpy.types.NodeSocket | _Constant,
+) -> None:
+    if isinstance(value, bpy.types.NodeSocket):
+        group.links.new(value, socket)
+    else:
+        socket.default_value = value
 
 
 def _constants(light: bpy.types.Object, matrix: Matrix) -> _Constants:
@@ -216,48 +375,59 @@ def _constants(light: bpy.types.Object, matrix: Matrix) -> _Constants:
 
 def _mix(
     group: bpy.types.ShaderNodeTree,
-    data_type: Literal["FLOAT", "VECTOR"],
+    data_type: _Type,
     factor: bpy.types.Node,
-    otherwise: float | tuple[float, float, float],
+    otherwise: bpy.types.NodeSocket | _Constant,
     value: bpy.types.NodeSocket,
-    into: bpy.types.NodeSocket,
-) -> bpy.types.Node:
-    """A node that hands on the value where the factor is 1, and a constant where it is 0."""
-    node = group.nodes.new("ShaderNodeMix")
+    into: bpy.types.NodeSocket | None = None,
+) -> bpy.types.ShaderNodeMix:
+    """A node that hands on the value where the factor is 1, and the other where it is 0."""
+    node: bpy.types.ShaderNodeMix = group.nodes.new("ShaderNodeMix")
     node.data_type, node.clamp_factor = data_type, False
     inputs = {socket.identifier: socket for socket in node.inputs}
     kind = data_type.title()
-    inputs[f"A_{kind}"].default_value = otherwise
+    _feed(group, inputs[f"A_{kind}"], otherwise)
     group.links.new(factor.outputs[0], inputs["Factor_Float"])
     group.links.new(value, inputs[f"B_{kind}"])
-    result = next(each for each in node.outputs if each.identifier == f"Result_{kind}")
-    group.links.new(result, into)
+    if into is not None:
+        group.links.new(_result(node), into)
     return node
 
 
+def _result(mix: bpy.types.ShaderNodeMix) -> bpy.types.NodeSocket:
+    identifier = f"Result_{mix.data_type.title()}"
+    return next(each for each in mix.outputs if each.identifier == identifier)
+
+
 def _output(group: bpy.types.ShaderNodeTree) -> bpy.types.Node:
-    """Its unlinked inputs are the group's constants."""
     return next((node for node in group.nodes if node.type == "GROUP_OUTPUT"), None) or (
         group.nodes.new("NodeGroupOutput")
     )
 
 
+def _own(group: bpy.types.ShaderNodeTree, name: str) -> bpy.types.NodeSocket:
+    """Which holds a constant of the group, for scenes of its own file."""
+    node: bpy.types.Node | None = group.nodes.get(name)
+    if node is None:  # of a group that does not look at the scene
+        return _output(group).inputs[name]
+    return next(each for each in node.inputs if each.identifier == "A_Float")
+
+
 def _kinds(group: bpy.types.ShaderNodeTree) -> list[int]:
-    inputs = _output(group).inputs
-    found = [round(inputs[slot_names(i)[0]].default_value) for i in range(1, SLOTS + 1)]
-    return [kind for kind in found if kind]
+    sockets = (_own(group, slot_names(slot)[0]) for slot in range(1, SLOTS + 1))
+    return [kind for socket in sockets if (kind := round(socket.default_value))]
 
 
 def _set(group: bpy.types.ShaderNodeTree, name: str, value: float) -> None:
     """A constant, which holds single precision; Blender compiles all paints anew for a change."""
-    socket = _output(group).inputs[name]
+    socket = _own(group, name)
     if not math.isclose(socket.default_value, value, rel_tol=1e-6, abs_tol=1e-12):
         socket.default_value = value
 
 
 def constant(name: str) -> float:
     """Of the file's slots: a kind, METERS_PER_UNIT or OTHER_LIGHT."""
-    return _output(node_group()).inputs[name].default_value
+    return _own(node_group(), name).default_value
 
 
 def _one_group() -> bpy.types.ShaderNodeTree:
@@ -271,9 +441,9 @@ def _one_group() -> bpy.types.ShaderNodeTree:
 
 
 def linked_files() -> tuple[str, ...]:
-    """The files that paints are linked from, which keep the lights that they have there."""
-    trees = bpy.data.node_groups
-    return tuple(sorted({g.library.filepath for g in trees if _MARK in g and g.library}))
+    """The files that paints are linked from which keep the lights that they have there."""
+    linked = [each for each in bpy.data.node_groups if each.library and keeps_lights(each)]
+    return tuple(sorted({each.library.filepath for each in linked}))
 
 
 # --- which lights ------------------------------------------------------------------------------

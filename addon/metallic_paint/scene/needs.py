@@ -75,7 +75,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
     size of a lamp, the world or the number of bounces changes, and when a paint is drawn anew in
     every frame or no more.
     """
-    if not lights.groups():
+    if not lights.has_any():
         return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
     _state["fitting"] = True  # the scene is updated, which calls handlers
     try:
@@ -110,7 +110,10 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
     """Whether fit has nothing new to find, or the file has no paint of its own."""
     groups = lights.groups()
     if len(groups) != 1:
-        return not groups
+        return not lights.has_any()
+    shared = bool(lights.linked_groups())
+    if not lights.is_current(groups[0]) or not carrier.is_attached_to_scenes(shared):
+        return False
     if carrier.has_lost_lamp() or not carrier.is_attached(lights.showing_paint()):
         return False
     return groups[0].get(_FITTED_TO) == _fingerprint(scene)
