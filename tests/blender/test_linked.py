@@ -149,7 +149,7 @@ def test_an_asset_makes_a_library(shot: Path, what: str) -> None:
     getattr(bpy.data, what)[name].asset_mark()
     assert lights.is_library()
     assert not needs.is_fitted(scene)
-    needs.fit(scene)
+    assert f"A library, as {name} is marked as an asset" in str(needs.fit(scene))
     assert needs.is_fitted(scene)
     library = save(shot)
     expected = shown_appended(library, "object")

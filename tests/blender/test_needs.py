@@ -329,12 +329,15 @@ def test_a_file_without_paint_of_its_own_gets_no_slots() -> None:
 
 
 def test_it_says_what_it_left_out(ball: object) -> None:
+    scene = bpy.context.scene
+    assert "A library, as no scene has a camera: " in str(fit())
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     assert str(fit()) == (
         "No sparkles are computed: no light renders.\n"
         "The flakes show no world or other lights: the scene has none; and no neighbours: its "
         "light does not bounce (Light Paths, Total or Glossy is 0)."
     )
-    bpy.context.scene.cycles.max_bounces = 4
+    scene.cycles.max_bounces = 4
     add_sun()
     new_world(Color=GREY, Strength=1)
     add_lamp("AREA", "Grid", spread=1)

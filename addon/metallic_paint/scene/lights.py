@@ -91,15 +91,18 @@ def linked_groups() -> list[bpy.types.NodeTree]:
 
 
 def is_library() -> bool:
-    """Whether this file's paints are for others to link.
+    """Whether this file's paints are for others to link."""
+    return bool(why_library())
 
-    So they are where one is marked as an asset, itself or what shows it, and where nothing can be
-    rendered as no scene has a camera.
-    """
+
+def why_library() -> str:
+    """A paint is marked as an asset, itself or what shows it, or nothing can be rendered."""
     if not any(scene.camera for scene in bpy.data.scenes):
-        return True
-    things = (*bpy.data.materials, *bpy.data.objects, *bpy.data.collections)
-    return any(each.asset_data and not each.library and _shows_paint(each) for each in things)
+        return "no scene has a camera"
+    for each in (*bpy.data.materials, *bpy.data.objects, *bpy.data.collections):
+        if each.asset_data and not each.library and _shows_paint(each):
+            return f"{each.name} is marked as an asset"
+    return ""
 
 
 def _shows_paint(what: bpy.types.Material | bpy.types.Object | bpy.types.Collection) -> bool:

@@ -41,6 +41,7 @@ class Needs:
     lights: lights.Report
     other_light: tuple[str, ...]  # what lights the flakes beside the slots, in words; () for none
     own: bool = True  # False: the file has no paint of its own, so nothing was fitted
+    library: str = ""  # why the file is a library, in words; empty where it is none
 
     def __str__(self) -> str:
         if not self.own:
@@ -65,6 +66,11 @@ class Needs:
                 "The flakes show no world or other lights: the scene has none; and no neighbours: "
                 "its light does not bounce (Light Paths, Total or Glossy is 0)."
             )
+        if self.library:
+            lines.append(
+                f"A library, as {self.library}: files that link its paints show them in their own "
+                "light, and each move of a light prepares the paints anew."
+            )
         return "\n".join(lines)
 
 
@@ -81,7 +87,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
     try:
         report = lights.fill(scene)
         other_light = tuple(_other_light(scene, report))
-        needs = Needs(report, other_light)
+        needs = Needs(report, other_light, library=lights.why_library())
         lights.show_other_light(bool(needs.other_light))
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
