@@ -377,6 +377,7 @@ def test_a_linked_paint_is_checked_under_the_lights_of_this_file(tmp_path: Path,
         link_paint(thing, tmp_path / "theirs.blend")
     else:
         file = str(tmp_path / "theirs.blend")
+        thing.asset_mark()
         needs.fit(scene)
         bpy.data.libraries.write(file, {thing})
         bpy.data.objects.remove(thing)
