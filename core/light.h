@@ -32,9 +32,9 @@ struct SeenLight {
   Vec3<Wide<T>> direction;   // unit
   Wide<T> sin2_half_radius;  // h
   bool visible = false;
-  Wide<T> sin2_half_reach{};  // of the cone about the direction that holds all of it
-  T breadth{};                // sine of that half-angle of a light that melts into the mean
-  T apart = 1;                // 0: where another light is so near that it has melted
+  T reach{};    // half-angle of the cone about the direction that holds all of it
+  T breadth{};  // sine of that half-angle of a light that melts into the mean
+  T apart = 1;  // 0: where another light is so near that it has melted
 };
 
 // Two listed lights closer together than this (plus their radii) are one to the shader: Cycles'
@@ -80,6 +80,12 @@ T sin2_half_of(T sine) {
   return T(0.5) * (sine * sine / (1 + sqrt((1 - sine) * (1 + sine))));
 }
 
+// Angles by their half chord: exact for small and large ones alike.
+template <class T>
+T angle_of_half_chord(T half_chord) {
+  return std::numbers::pi_v<T> - 2 * arccosine(half_chord);
+}
+
 template <class T>
 SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
   using W = Wide<T>;
@@ -110,20 +116,10 @@ SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
   }
   seen.visible = true;
   seen.sin2_half_radius = sin2_half_of(sine);
-  seen.sin2_half_reach = sin2_half_of(reach);
+  seen.reach = angle_of_half_chord(static_cast<T>(sqrt(sin2_half_of(reach))));
   return seen;
 }
 
-// Angles by their half chord: exact for small and large ones alike.
-template <class T>
-T angle_of_half_chord(T half_chord) {
-  return std::numbers::pi_v<T> - 2 * arccosine(half_chord);
-}
-// Half-angle of the cone that holds the light.
-template <class T>
-T angular_reach(const SeenLight<T>& light) {
-  return angle_of_half_chord(static_cast<T>(sqrt(light.sin2_half_reach)));
-}
 template <class T>
 T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {
   return angle_of_half_chord(
@@ -135,10 +131,10 @@ inline constexpr int kLightSlots = 8;
 // Half-angle of the cone about the leader that holds all lights of its group.
 template <class T>
 T group_reach(const SeenLight<T>* seen, const int* leader, int count, int group) {
-  T reach = angular_reach(seen[group]);
+  T reach = seen[group].reach;
   for (int i = 0; i < count; ++i) {
     if (leader[i] != group || i == group) continue;
-    reach = max(reach, angle_between(seen[group], seen[i]) + angular_reach(seen[i]));
+    reach = max(reach, angle_between(seen[group], seen[i]) + seen[i].reach);
   }
   return reach;
 }
@@ -157,7 +153,7 @@ void group_lights(const SeenLight<T>* seen, int* leader, int count) {
       const T reach = group_reach(seen, leader, count, group) + T(kLeastGap);
       for (int i = 0; i < count && !joined; ++i) {
         if (leader[i] < 0 || leader[i] == group) continue;
-        if (angle_between(seen[group], seen[i]) - angular_reach(seen[i]) >= reach) continue;
+        if (angle_between(seen[group], seen[i]) - seen[i].reach >= reach) continue;
         const int first = min(group, leader[i]);
         const int second = max(group, leader[i]);
         for (int k = 0; k < count; ++k) {
@@ -184,14 +180,13 @@ void admit_melting(SeenLight<T>* seen, int* leader, int count) {
       if (leader[k] == k) {
         reach = group_reach(seen, leader, count, k);
       } else if (leader[k] == kStandsAside) {
-        reach = angular_reach(seen[k]);
+        reach = seen[k].reach;
       } else {
         continue;
       }
       gap = min(gap, angle_between(seen[i], seen[k]) - reach);
     }
-    seen[i].apart =
-        clamp((gap - angular_reach(seen[i]) - T(kLeastGap)) / T(kMeltingGap), T(0), T(1));
+    seen[i].apart = clamp((gap - seen[i].reach - T(kLeastGap)) / T(kMeltingGap), T(0), T(1));
     if (seen[i].apart > 0) leader[i] = i;
   }
 }

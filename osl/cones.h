@@ -70,7 +70,7 @@ closure color mirrored_cone(MirroredSample mirrored, LobeCone wide, vector view,
   for (int i = 0; i < lights; ++i) {
     float share = sparkling_share(seen[i].breadth, seen[i].apart, mirrored.turned);
     if (share > 0.0) {
-      float reach = angular_reach(seen[i]) + CONE_MARGIN;
+      float reach = seen[i].reach + CONE_MARGIN;
       float off = angle_between(towards, seen[i]) - reach;
       // Where the light's cone is its own, that ends where this begins.
       if (off <= (seen[i].own_cone ? 0.0 : -CONE_MARGIN))
@@ -99,9 +99,10 @@ closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
 {
   for (int i = 0; i < lights; ++i) {
     float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
-    float radius = angle_of_half_chord(sqrt(seen[i].sin2_half_radius));
-    if (radiance > 0.0 && seen[i].breadth == 0.0)
+    if (radiance > 0.0 && seen[i].breadth == 0.0) {
+      float radius = angle_of_half_chord(sqrt(seen[i].sin2_half_radius));
       return sparkle_cone(color(radiance), view, seen[i].direction, radius + CONE_MARGIN, 0.0);
+    }
   }
   return reflection(n);
 }

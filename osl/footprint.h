@@ -38,11 +38,11 @@ Pixel find_pixel(point position, vector n, vector view)
   float exact = 0.0;
   if (raytype("camera")) {
     point c = transform("camera", position);
+    vector towards = transform("camera", view);
     float h = max(fabs(c[2]), 1e-30);
     // Across the camera's axis x alone moves along the raster's x, and y along its y.
-    point aside = transform("camera", "raster", c + vector(h, h, 0.0));
-    vector towards = transform("camera", view);
-    point behind = transform("camera", "raster", c - towards * h);
+    point aside = transform("raster", position + transform("camera", "common", vector(h, h, 0.0)));
+    point behind = transform("raster", position - view * h);
     float x = fabs(aside[0] - pixel.raster[0]);
     float y = fabs(aside[1] - pixel.raster[1]);
     // A projection keeps the place in the raster along the view, but for the depth of field; a panorama has no such raster.

@@ -20,7 +20,7 @@ struct SeenLight {
   vector direction;
   float sin2_half_radius;
   int visible;
-  float sin2_half_reach;
+  float reach;
   float breadth;
   float apart;
   int own_cone;  // the light and what lies about it share one cone, which all other light leaves out
@@ -42,13 +42,18 @@ float sin2_half_of(float sine)
   return 0.5 * (sine * sine / (1.0 + sqrt((1.0 - sine) * (1.0 + sine))));
 }
 
+float angle_of_half_chord(float half_chord)
+{
+  return M_PI - 2.0 * arccosine(half_chord);
+}
+
 SeenLight see_light(int kind, vector where, float size, vector facing, point position)
 {
   SeenLight seen;
   seen.direction = vector(0.0, 0.0, 1.0);
   seen.sin2_half_radius = 0.0;
   seen.visible = 0;
-  seen.sin2_half_reach = 0.0;
+  seen.reach = 0.0;
   seen.breadth = 0.0;
   seen.apart = 1.0;
   seen.own_cone = kind == LIGHT_AREA || kind == LIGHT_SKY;
@@ -82,18 +87,8 @@ SeenLight see_light(int kind, vector where, float size, vector facing, point pos
   }
   seen.visible = 1;
   seen.sin2_half_radius = sin2_half_of(sine);
-  seen.sin2_half_reach = sin2_half_of(reach);
+  seen.reach = angle_of_half_chord(sqrt(sin2_half_of(reach)));
   return seen;
-}
-
-float angle_of_half_chord(float half_chord)
-{
-  return M_PI - 2.0 * arccosine(half_chord);
-}
-
-float angular_reach(SeenLight light)
-{
-  return angle_of_half_chord(sqrt(light.sin2_half_reach));
 }
 
 float angle_between(SeenLight a, SeenLight b)
@@ -102,28 +97,44 @@ float angle_between(SeenLight a, SeenLight b)
   return angle_of_half_chord(min(0.5 * sqrt(inner_product(chord, chord)), 1.0));
 }
 
-float group_reach(SeenLight seen[8], int leader[8], int count, int group)
+// Of each two lights, found once: of i and k at 8 i + k. Says whether any two are so near that they may share a cone.
+int angles_between(SeenLight seen[8], int count, output float between[64])
 {
-  float reach = angular_reach(seen[group]);
+  int near = 0;
+  for (int i = 1; i < count; ++i) {
+    for (int k = 0; k < i; ++k) {
+      float angle = angle_between(seen[i], seen[k]);
+      between[8 * i + k] = angle;
+      between[8 * k + i] = angle;
+      near = near || angle - seen[i].reach < seen[k].reach + LEAST_GAP ||
+             angle - seen[k].reach < seen[i].reach + LEAST_GAP;
+    }
+  }
+  return near;
+}
+
+float group_reach(SeenLight seen[8], float between[64], int leader[8], int count, int group)
+{
+  float reach = seen[group].reach;
   for (int i = 0; i < count; ++i) {
     if (leader[i] == group && i != group)
-      reach = max(reach, angle_between(seen[group], seen[i]) + angular_reach(seen[i]));
+      reach = max(reach, between[8 * group + i] + seen[i].reach);
   }
   return reach;
 }
 
 // Here every light is there.
-void group_lights(SeenLight seen[8], output int leader[8], int count)
+void group_lights(SeenLight seen[8], float between[64], output int leader[8], int count)
 {
   int joined = 1;
   while (joined) {
     joined = 0;
     for (int group = 0; group < count && !joined; ++group) {
       if (leader[group] == group) {
-        float reach = group_reach(seen, leader, count, group) + LEAST_GAP;
+        float reach = group_reach(seen, between, leader, count, group) + LEAST_GAP;
         for (int i = 0; i < count && !joined; ++i) {
           if (leader[i] >= 0 && leader[i] != group &&
-              angle_between(seen[group], seen[i]) - angular_reach(seen[i]) < reach) {
+              between[8 * group + i] - seen[i].reach < reach) {
             int first = min(group, leader[i]);
             int second = max(group, leader[i]);
             for (int k = 0; k < count; ++k) {
@@ -138,20 +149,20 @@ void group_lights(SeenLight seen[8], output int leader[8], int count)
   }
 }
 
-void admit_melting(output SeenLight seen[8], output int leader[8], int count)
+void admit_melting(output SeenLight seen[8], float between[64], output int leader[8], int count)
 {
   for (int i = 0; i < count; ++i) {
     if (seen[i].breadth > 0.0 && leader[i] == STANDS_ASIDE) {
       float gap = M_PI;
       for (int k = 0; k < count; ++k) {
         if (k != i && (leader[k] == k || leader[k] == STANDS_ASIDE)) {
-          float reach = angular_reach(seen[k]);
+          float reach = seen[k].reach;
           if (leader[k] == k)
-            reach = group_reach(seen, leader, count, k);
-          gap = min(gap, angle_between(seen[i], seen[k]) - reach);
+            reach = group_reach(seen, between, leader, count, k);
+          gap = min(gap, between[8 * i + k] - reach);
         }
       }
-      seen[i].apart = clamp((gap - angular_reach(seen[i]) - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
+      seen[i].apart = clamp((gap - seen[i].reach - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
       if (seen[i].apart > 0.0)
         leader[i] = i;
     }

@@ -10,6 +10,7 @@
 #define GAUSSIAN_REACH 5.5
 #define HALF_PI 1.57079633
 #define POINT_CAP 0.0625
+#define NARROW_BACK 0.26
 
 struct OrientationDensity {
   int kind;
@@ -240,30 +241,48 @@ float most_tilt_weight(OrientationDensity density)
   return square * density.below / density.norm;
 }
 
+float narrow_back_area(float tilt, float b0)
+{
+  float s = tilt;
+  float c0 = 0.999967575 + s * (0.000727135397 + s * (-0.672569752 + s * (0.0248423927 + s * 0.325504154)));
+  float c1 = 0.000120564626 + s * (0.400339454 + s * (0.119968347 + s * -0.57245177));
+  float c2 = 0.0684837475 + s * (-0.305631101 + s * 0.614556372);
+  float c3 = 0.167160392 + s * -0.260977238;
+  float curved = c0 + b0 * (c1 + b0 * (c2 + b0 * (c3 + b0 * 0.0344861448)));
+  float y = b0 / tilt;
+  return tilt * normal_density(y) * (1.0 - y * mills_ratio(y)) * curved;
+}
+
 float gaussian_back_area(OrientationDensity density, float cos_theta)
 {
   if (cos_theta >= density.back_cosine)
     return 0.0;
   float b0 = HALF_PI - arccosine(cos_theta);
-  float limit = min(HALF_PI, b0 + GAUSSIAN_REACH * density.tilt);
-  float node[12];
-  float weight[12];
-  gauss_rule(node, weight);
-  float sin_theta = sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
-  float sum = 0.0;
-  for (int i = 0; i < GAUSS_POINTS; ++i) {
-    float x = node[i];
-    float b = b0 + (limit - b0) * x * x;
-    float sin_b = sine(b);
-    float a = cos_theta * cosine(b);
-    float c = sin_theta * sin_b;
-    if (a < c) {
-      float back = sqrt((c - a) * (c + a)) - a * arccosine(a / c);
-      float tilts = b / density.tilt;
-      sum = sum + weight[i] * x * exponential(-0.5 * tilts * tilts) * sin_b * back;
+  float area = 0.0;
+  if (density.tilt <= NARROW_BACK)
+    area = narrow_back_area(density.tilt, b0);
+  else {  // OSL drops no text behind a return
+    float limit = min(HALF_PI, b0 + GAUSSIAN_REACH * density.tilt);
+    float node[12];
+    float weight[12];
+    gauss_rule(node, weight);
+    float sin_theta = sqrt((1.0 - cos_theta) * (1.0 + cos_theta));
+    float sum = 0.0;
+    for (int i = 0; i < GAUSS_POINTS; ++i) {
+      float x = node[i];
+      float b = b0 + (limit - b0) * x * x;
+      float sin_b = sine(b);
+      float a = cos_theta * cosine(b);
+      float c = sin_theta * sin_b;
+      if (a < c) {
+        float back = sqrt((c - a) * (c + a)) - a * arccosine(a / c);
+        float tilts = b / density.tilt;
+        sum = sum + weight[i] * x * exponential(-0.5 * tilts * tilts) * sin_b * back;
+      }
     }
+    area = 2.0 * (limit - b0) * sum / (M_PI * density.norm);
   }
-  return 2.0 * (limit - b0) * sum / (M_PI * density.norm);
+  return area;
 }
 
 float mean_projected_area(OrientationDensity density, float cos_theta)

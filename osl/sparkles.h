@@ -19,9 +19,24 @@ struct PixelSparkles {
   color mean_radiance;
 };
 
+// Where the cells of the surface are those of the species. No light has a part in them.
+void find_cells(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, FirstFlake firsts[SPECIES], int frame,
+                int seed, output Cell cells[SPECIES])
+{
+  for (int i = 0; i < layer.species; ++i) {
+    FirstFlake first = firsts[i];
+    if (layer.anchor == ANCHOR_SURFACE && !first.close) {
+      Flakes some = flakes_of(layer, flakes, i);
+      cells[i] = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
+                           own_stream(layer, surface.own, i, frame, seed));
+    }
+  }
+}
+
 // `blurred`, or without contrast: the mean, and nothing is drawn. mean_radiance is found where it is asked for.
 PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
-                      FirstFlake firsts[SPECIES], Passage way, int light, int frame, int seed, int blurred, int asked_mean, int shown)
+                      FirstFlake firsts[SPECIES], Cell cells[SPECIES], Passage way, int light, int frame, int seed,
+                      int blurred, int asked_mean, int shown)
 {
   PixelSparkles all;
   all.count = 0.0;
@@ -43,8 +58,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
       y = surface.pixel_y;
     }
     else if (way.open && !first.close) {
-      Cell cell = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
-                            own_stream(layer, surface.own, i, frame, seed));
+      Cell cell = cells[i];
       float cone = quarter_cone(cone_in_binder(some, way), way);
       area = cell.area;
       key = about_normal(cell.key, own_direction(surface.own, way.mirror.flake_normal), cone);

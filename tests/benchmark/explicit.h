@@ -155,7 +155,7 @@ inline reference::ExplicitScene explicit_pixel(const Scene& scene,
   pixel.view = {sin_view, 0, cos_view};
   pixel.light = {sin_light * cos_azimuth, sin_light * std::sqrt(1 - cos_azimuth * cos_azimuth),
                  cos_light};
-  pixel.light_radius = angular_reach(seen);
+  pixel.light_radius = seen.reach;
   pixel.footprint = point.footprint;
   return pixel;
 }

@@ -137,8 +137,7 @@ TEST(Light, NoGroupsConeMeetsAnotherGroupsLight) {
         EXPECT_LE(leader[k], static_cast<int>(k));
         EXPECT_EQ(leader[static_cast<std::size_t>(leader[k])], leader[k]);
         if (leader[k] == group) continue;
-        EXPECT_GE(angle_between(seen[g], seen[k]) - angular_reach(seen[k]),
-                  reach + kLeastGap - 1e-12)
+        EXPECT_GE(angle_between(seen[g], seen[k]) - seen[k].reach, reach + kLeastGap - 1e-12)
             << "configuration " << i << " group " << group << " light " << k;
       }
     }

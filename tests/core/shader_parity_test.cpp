@@ -311,7 +311,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     if (!found.visible) continue;
     same("direction", found.direction, expected.direction);
     same("sin2_half_radius", found.sin2_half_radius, expected.sin2_half_radius);
-    same("sin2_half_reach", found.sin2_half_reach, expected.sin2_half_reach);
+    same("reach", found.reach, expected.reach);
     same("breadth", found.breadth, expected.breadth);
     if (!(osl::inner_product(surface.n, found.direction) > 0)) continue;
     const auto at = static_cast<std::size_t>(lights);
@@ -320,8 +320,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     slot[at] = i;
     ++lights;
   }
-  osl::group_lights(seen, leader, lights);
-  osl::admit_melting(seen, leader, lights);
+  std::array<float, 64> between;
+  if (osl::angles_between(seen, lights, between)) osl::group_lights(seen, between, leader, lights);
+  osl::admit_melting(seen, between, leader, lights);
 
   // The flakes that are seen themselves.
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
@@ -341,6 +342,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     visits.close += first.close;
     visits.covered += first.seen;
   }
+  std::array<osl::Cell, kSpecies> cells;
+  osl::find_cells(shader_layer, shader_flakes, surface, shader_firsts, paint.frame, paint.seed,
+                  cells);
   for (int i = 0; i < lights; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const int core_leader = slots.leader[static_cast<std::size_t>(slot[at])];
@@ -355,7 +359,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       ++visits.led;
       continue;
     }
-    same("group_reach", osl::group_reach(seen, leader, lights, i),
+    same("group_reach", osl::group_reach(seen, between, leader, lights, i),
          group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]));
 
     const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
@@ -381,8 +385,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
                                      shader_way),
                 core_all.expected[of]);
       }
-      const auto all = osl::sparkle(shader_layer, shader_flakes, library, surface, shader_firsts,
-                                    shader_way, slot[at], paint.frame, paint.seed, 0, 1, species);
+      const auto all =
+          osl::sparkle(shader_layer, shader_flakes, library, surface, shader_firsts, cells,
+                       shader_way, slot[at], paint.frame, paint.seed, 0, 1, species);
       same("count", all.count, core_all.count[of]);
       visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
       visits.summed += all.count > kDrawnSparkles;

@@ -65,12 +65,12 @@ def one_species(text: str) -> str:
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
     text = cut(
-        "  if (several && lights > 1)\n    group_lights(seen, leader",
+        "  if (several && lights > 1) {\n    if (angles_between(seen",
         "\n  // The flakes under the listed",
     )(text)
     text = cut("      if (several) {", "      float rho")(text)
-    text = cut("  float reach = angular_reach(seen[group]);\n  for", "  return reach",
-               "  float reach = angular_reach(seen[group]);\n")(text)  # fmt: skip
+    text = cut("  float reach = seen[group].reach;\n  for", "  return reach",
+               "  float reach = seen[group].reach;\n")(text)  # fmt: skip
     return re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
 
 
