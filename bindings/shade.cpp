@@ -92,7 +92,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
       store(to_glossy, i, stack.glossy);
       store(to_bent, i, stack.coat_normal);
       const SlotView<double> slots = view_slots(lights, point);
-      const auto firsts = look_close(layer, point, paint.frame, paint.seed);
+      const auto firsts = look_close(layer, stack.at, paint.frame, paint.seed);
       std::array<PixelSparkles<double>, kLightSlots> drawn;
       for (std::size_t k = 0; k < lights.size(); ++k) {
         const int leader = slots.leader[k];
@@ -100,7 +100,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
         // The leader comes first: a light of its group shows the same sparkles.
         const auto lead = static_cast<std::size_t>(leader);
         if (lead == k) {
-          drawn[k] = sparkle(layer, point, firsts, pass_between(layer, point, slots.seen[k]),
+          drawn[k] = sparkle(layer, stack.at, firsts, pass_between(layer, stack.at, slots.seen[k]),
                              leader, paint.frame, paint.seed);
         }
         const auto found = shade(stack, point, slots.seen[k], drawn[lead].radiance);

@@ -200,14 +200,14 @@ void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
                      const std::stop_token& stop = {}) {
   const Layer<T> layer = layer_under(layer_of_paint, batch);
   if constexpr (std::is_same_v<T, float>) {
-    if (layer.anchor == Anchor::pixel && !expect_in_lanes().empty()) {
+    if (layer.anchor == Anchor::pixel && !(paint.orange_peel > 0) && !expect_in_lanes().empty()) {
       return evaluate_in_lanes(expect_in_lanes().front(), paint, layer, lights, species, batch,
                                results, stop);
     }
   }
   const std::vector<Light<T>> slots = slots_of<T>(lights);
   const auto evaluate_pixel = [&](std::size_t i) {
-    const SurfacePoint<T> point = point_at<T>(batch, i);
+    const SurfacePoint<T> point = under_orange_peel(paint, point_at<T>(batch, i));
     const SlotView<T> view = view_slots(slots, point);
     const auto firsts = look_close(layer, point, paint.frame, paint.seed);
     store_pixel(results, i, slots.size(), species, view.leader, [&](std::size_t light) {

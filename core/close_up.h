@@ -321,11 +321,12 @@ template <class T>
 std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const SurfacePoint<T>& point,
                                                int frame, int seed) {
   std::array<FirstFlake<T>, kSpecies> firsts;
-  const T cos_view = min(dot(point.normal, point.view), T(1));
+  const Vec3<T> view = view_below(point);
+  const T cos_view = min(dot(point.normal, view), T(1));
   if (layer.anchor != Anchor::surface || !(cos_view > T(kLeastCosine))) return firsts;
   const T g_view = eta_cos_refracted(cos_view, layer.eta);
   if (!(g_view > 0)) return firsts;
-  const Vec3<T> inside = (point.view + point.normal * (g_view - cos_view)) / layer.eta;
+  const Vec3<T> inside = (view + point.normal * (g_view - cos_view)) / layer.eta;
   const OwnSpace<T>& own = point.own;
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const Vec3<T> axes[3] = {own.x, own.y, own.z};

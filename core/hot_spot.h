@@ -62,11 +62,13 @@ T hidden_one_way(const Layer<T>& layer, T diameter) {
   return sum;
 }
 
-// kappa of G. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5
-// E[s^2] is within 3 %, for r of 0.4 to 2.5 within 6 % (docs/fits.md).
+// kappa of G. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5 and r
+// of 0.4 to 2.5 E[s^2] is within 3.5 %, for r of 0.05 to 20 within 4.5 %; of two species within 7 %
+// (docs/fits.md).
 template <class T>
 T hidden_at_once(T one_way, T share) {
-  return one_way + (1 - one_way) * (share * (1 - share));
+  const T more = (1 - one_way) * (T(0.74) + T(0.45) * one_way);
+  return one_way + more * (share * (1 - share));
 }
 
 // G of delta: each species hides by its own width.

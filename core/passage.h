@@ -10,6 +10,7 @@
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
+#include "orange_peel.h"
 #include "own_space.h"
 #include "refraction.h"
 #include "vector.h"
@@ -23,7 +24,26 @@ struct SurfacePoint {
   T footprint;  // Sigma, area of the pixel's projection on the surface, m2
   int pixel_x, pixel_y;
   OwnSpace<T> own{};
+  bool bends = false;       // whether a wave of the orange peel lies over it
+  Vec3<T> wave{}, below{};  // its normal, and the view as under that
 };
+
+template <class T>
+Vec3<T> view_below(const SurfacePoint<T>& point) {
+  return point.bends ? point.below : point.view;
+}
+
+// The point with the wave of the paint's orange peel over it.
+template <class T>
+SurfacePoint<T> under_orange_peel(const Paint& paint, SurfacePoint<T> point) {
+  if (!(paint.orange_peel > 0)) return point;
+  point.bends = true;
+  point.wave = orange_peel(point.normal, point.own.position, static_cast<T>(paint.orange_peel),
+                           static_cast<T>(paint.orange_peel_mm) * T(0.001));
+  point.below =
+      through_wave(point.view, point.normal, point.wave, static_cast<T>(paint.binder_ior));
+  return point;
+}
 
 // What the flakes of all species share: the way of a light through this point to the observer.
 template <class T>
@@ -51,7 +71,11 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   const bool published = layer.radiometry == Radiometry::published;
   if (!light.visible || !(point.footprint > 0)) return way;
   const W eta = layer.eta;
-  way.mirror = mirror_between(Vec3<W>(point.normal), Vec3<W>(point.view), light.direction, eta);
+  Vec3<W> direction = light.direction;
+  if (point.bends) {
+    direction = through_wave(direction, Vec3<W>(point.normal), Vec3<W>(point.wave), eta);
+  }
+  way.mirror = mirror_between(Vec3<W>(point.normal), Vec3<W>(view_below(point)), direction, eta);
   way.open = way.mirror.possible;  // a light or an observer below the surface: no sparkle
   if (!way.open) return way;
   const T cos_view_in = static_cast<T>(min(way.mirror.g_view / eta, W(1)));
@@ -65,6 +89,13 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   const W h = light.sin2_half_radius;
   const W outside = published ? pi * squared_angle(h) : 4 * pi * h;
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  if (point.bends) {
+    const W cosine = max(dot(Vec3<W>(point.wave), light.direction), W(0));
+    const W g = eta_cos_refracted(cosine, eta);
+    way.open = cosine > 0 && g > 0;  // the wave neither turns its back on the light nor mirrors all
+    if (!way.open) return way;
+    way.ratio = solid_angle_ratio(cosine, g, eta);
+  }
   way.inside = outside * way.ratio;
   if (layer.haze > 0) {
     way.inside =
@@ -73,8 +104,8 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
                       solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));
   }
   const T apart =
-      ways_apart(point.normal, point.view, static_cast<T>(way.mirror.cos_view),
-                 static_cast<T>(way.mirror.g_view), Vec3<T>(light.direction),
+      ways_apart(point.normal, view_below(point), static_cast<T>(way.mirror.cos_view),
+                 static_cast<T>(way.mirror.g_view), Vec3<T>(direction),
                  static_cast<T>(way.mirror.cos_light), static_cast<T>(way.mirror.g_light));
   if (slant != nullptr) {
     way.slant = *slant;

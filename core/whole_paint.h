@@ -32,6 +32,7 @@ namespace metallic_paint {
 // What no light has a part in.
 template <class T>
 struct Stack {
+  SurfacePoint<T> at{};  // with the orange peel
   Coat<T> coat{};
   Vec3<T> coat_normal{};
   T coat_alpha{};  // of the coat's facets; 0: a mirror
@@ -59,7 +60,16 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   if (paint.composition == Composition::published && stack.coat_alpha > 0) {
     stack.coat.reflected = stack.facets;
   }
-  // A coat whose normal is bent reflects elsewhere, and as much.
+  // A coat whose normal is bent reflects elsewhere, and as much; so it lets as much through.
+  stack.at = under_orange_peel(paint, point);
+  T cos_below = cos_view;
+  if (stack.at.bends) {
+    cos_below = seen_cosine(point.normal, stack.at.below);
+    const auto passed = [&](T cosine) {
+      return fresnel_transmittance(cosine, eta_cos_refracted(cosine, layer.eta), layer.eta);
+    };
+    stack.coat.rest = stack.coat.rest * (passed(cos_view) / max(passed(cos_below), T(1e-20)));
+  }
   stack.coat_normal = coat_normal;
   if (paint.orange_peel > 0) {
     stack.coat_normal =
@@ -69,7 +79,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   if (dot(stack.coat_normal, point.normal) < T(0.999999)) {
     stack.coat_normal = above_surface(stack.coat_normal, point.normal, point.view);
   }
-  const Mixture<T> scattered = mixture(layer, Rgb<T>(paint.substrate_color), cos_view);
+  const Mixture<T> scattered = mixture(layer, Rgb<T>(paint.substrate_color), cos_below);
   stack.diffuse = scattered.diffuse;
   stack.glossy = scattered.glossy;
   stack.alpha = scattered.alpha;
@@ -160,7 +170,15 @@ Rgb<T> reflectance(const Layer<T>& layer, const Stack<T>& stack, const SurfacePo
                    Vec3<T> light) {
   const T cos_light = dot(point.normal, light);
   if (!(cos_light > 0)) return {};
-  const Rgb<T> lobe = flake_brdf(layer, point.normal, point.view, light) * cos_light;
+  Vec3<T> below = light;
+  T flux = cos_light;  // of the light in the binder, that of the solid angle outside
+  if (stack.at.bends) {
+    below = through_wave(light, point.normal, stack.at.wave, layer.eta);
+    const T cosine = max(dot(stack.at.wave, light), T(0)), even = dot(point.normal, below);
+    const T g = eta_cos_refracted(cosine, layer.eta);
+    flux = g > 0 ? cosine * eta_cos_refracted(even, layer.eta) / g : T(0);
+  }
+  const Rgb<T> lobe = flake_brdf(layer, point.normal, view_below(stack.at), below) * flux;
   const T shine = stack.coat_alpha > 0 ? coat_shine(stack, point, light, T(0)) : T(0);
   return grey(shine) + (lobe + scattered_by(stack, point, light)) * stack.coat.rest;
 }
@@ -198,7 +216,8 @@ Rgb<T> directional_albedo(const Layer<T>& layer, const Stack<T>& stack,
     const T cosine = clamp(dot(stack.coat_normal, point.view), T(0), T(1));
     reflected = cosine > 0 ? reflected * facet_lobe_albedo(cosine, stack.coat_alpha) : T(0);
   }
-  const Rgb<T> below = flake_albedo(layer, point.normal, point.view) + stack.diffuse + stack.glossy;
+  const Rgb<T> below =
+      flake_albedo(layer, point.normal, view_below(stack.at)) + stack.diffuse + stack.glossy;
   return grey(reflected) + below * stack.coat.rest;
 }
 

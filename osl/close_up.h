@@ -261,13 +261,13 @@ color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSpark
 void look_close(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, int frame, int seed,
                 output FirstFlake firsts[SPECIES])
 {
-  float cos_view = min(inner_product(surface.n, surface.view), 1.0);
+  float cos_view = min(inner_product(surface.n, surface.below), 1.0);
   if (layer.anchor != ANCHOR_SURFACE || !(cos_view > LEAST_COSINE))
     return;
   float g_view = eta_cos_refracted(cos_view, layer.eta);
   if (!(g_view > 0.0))
     return;
-  vector inside = (surface.view + surface.n * (g_view - cos_view)) / layer.eta;
+  vector inside = (surface.below + surface.n * (g_view - cos_view)) / layer.eta;
   OwnSpace own = surface.own;
   vector axes[3] = {own.x, own.y, own.z};
   LatticePlane plane = surface.plane;

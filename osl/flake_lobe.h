@@ -42,7 +42,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   mirrored.across = 1.0;
   mirrored.turned = 1.0;
   vector n = surface.n;
-  vector view = surface.view;
+  vector view = surface.below;
   float eta = layer.eta;
   float cos_view = min(inner_product(n, view), 1.0);
   if (!(cos_view > LEAST_COSINE))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Orange peel: the waves that spraying leaves in the binder's surface. Their slope is Perlin noise of wavelength `size`; they
-// bend the highlight, and not what the flakes see, which they would turn by a third of their slope.
+// Orange peel: the waves that spraying leaves in the binder's surface. Their slope is Perlin noise of wavelength `size`. What
+// they bend, and how, is derived in core/orange_peel.h.
 #pragma once
 
 #include "refraction.h"
@@ -34,4 +34,36 @@ vector above_surface(vector coat_n, vector n, vector view)
   vector up = mirrored + n * (max(-height, least) - height);
   vector half = view + up / sqrt(inner_product(up, up));
   return half / sqrt(inner_product(half, half));
+}
+
+// d*. What an even surface would mirror back into the binder lies at its horizon.
+vector through_wave(vector d, vector n, vector wave, float eta)
+{
+  float cosine = inner_product(wave, d);
+  vector inside = d + wave * (eta_cos_refracted(cosine, eta) - cosine);
+  vector along = inside - n * inner_product(n, inside);
+  float least = clamp(inner_product(n, d), 0.0, LEAST_HEIGHT);
+  float square = inner_product(along, along);
+  float most = (1.0 - least) * (1.0 + least);
+  if (square > most)
+    along = along * sqrt(most / square);
+  return along + n * max(sqrt(max(1.0 - square, 0.0)), least);
+}
+
+// The way back: d of d*, above the surface.
+vector back_through_wave(vector d, vector n, vector wave, float eta)
+{
+  float cosine = inner_product(n, d);
+  vector inside = d + n * (eta_cos_refracted(cosine, eta) - cosine);
+  vector along = inside - wave * inner_product(wave, inside);
+  float square = inner_product(along, along);
+  if (square > 1.0)
+    along = along / sqrt(square);
+  vector out = along + wave * sqrt(max(1.0 - square, 0.0));
+  float height = inner_product(n, out);
+  float least = min(cosine, LEAST_HEIGHT);
+  if (height >= least)
+    return out;
+  vector up = out + n * (max(-height, least) - height);
+  return up / sqrt(inner_product(up, up));
 }

@@ -6,6 +6,7 @@
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
+#include "orange_peel.h"
 #include "own_space.h"
 #include "refraction.h"
 
@@ -19,6 +20,9 @@ struct SurfacePoint {
   int pixel_y;
   OwnSpace own;
   LatticePlane plane;  // of that and n
+  int bends;  // whether a wave of the orange peel lies over it
+  vector wave;  // its normal
+  vector below;  // the view as under that
 };
 
 struct Passage {
@@ -50,7 +54,10 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   if (!light.visible || !(surface.footprint > 0.0))
     return way;
   float eta = layer.eta;
-  way.mirror = mirror_between(surface.n, surface.view, light.direction, eta);
+  vector direction = light.direction;
+  if (surface.bends)
+    direction = through_wave(direction, surface.n, surface.wave, eta);
+  way.mirror = mirror_between(surface.n, surface.below, direction, eta);
   way.open = way.mirror.possible;
   if (!way.open)
     return way;
@@ -64,11 +71,19 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
     outside = M_PI * squared_angle(light.sin2_half_radius);
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
+  if (surface.bends) {
+    float cosine = max(inner_product(surface.wave, light.direction), 0.0);
+    float g = eta_cos_refracted(cosine, eta);
+    way.open = cosine > 0.0 && g > 0.0;
+    if (!way.open)
+      return way;
+    way.ratio = solid_angle_ratio(cosine, g, eta);
+  }
   way.inside = outside * way.ratio;
   if (layer.haze > 0.0)
     way.inside = way.inside + layer.haze * (solid_angle_of_facets(way.mirror.cos_view, way.mirror.g_view, eta) +
                                             solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));
-  float apart = ways_apart(surface.n, surface.view, way.mirror.cos_view, way.mirror.g_view, light.direction,
+  float apart = ways_apart(surface.n, surface.below, way.mirror.cos_view, way.mirror.g_view, direction,
                            way.mirror.cos_light, way.mirror.g_light);
   color out = slant_depth_of(layer, flakes, library, cos_light_in);
   way.slant = there_and_back(layer, surface.slant, out, apart);

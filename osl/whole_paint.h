@@ -36,7 +36,14 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
     if (stack.coat_alpha > 0.0)
       stack.coat.reflected = stack.facets;
   }
-  // A coat whose normal is bent reflects elsewhere, and as much.
+  // A coat whose normal is bent reflects elsewhere, and as much; so it lets as much through.
+  float cos_below = cos_view;
+  if (surface.bends) {
+    cos_below = seen_cosine(n, surface.below);
+    float passed = fresnel_transmittance(cos_view, eta_cos_refracted(cos_view, layer.eta), layer.eta);
+    float below = fresnel_transmittance(cos_below, eta_cos_refracted(cos_below, layer.eta), layer.eta);
+    stack.coat.rest = stack.coat.rest * (passed / max(below, 1e-20));
+  }
   vector coat_n = given_coat_n;
   if (given.orange_peel > 0.0)
     coat_n = orange_peel(coat_n, surface.own.position, given.orange_peel, given.orange_peel_mm * 0.001);
@@ -44,7 +51,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_view);
+  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_below);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
   stack.alpha = scattered.alpha;

@@ -26,7 +26,8 @@ struct ExplicitCase {
   std::string varied;
   double value;
   Paint paint;
-  double angle;  // of view and light to the normal, degrees; mirrored by a level flake
+  double angle;      // of view and light to the normal, degrees; mirrored by a level flake
+  double aside = 0;  // azimuth from the mirror direction to the light, degrees
 };
 
 inline std::vector<ExplicitCase> explicit_cases() {
@@ -37,7 +38,7 @@ inline std::vector<ExplicitCase> explicit_cases() {
   std::vector<ExplicitCase> cases;
   const auto area_mm2 =
       std::numbers::pi / 4 * base.flake_diameter_um * base.flake_diameter_um / 1e6;
-  for (double coverage : {0.05, 0.2, 0.5, 1.0, 2.0}) {
+  for (double coverage : {0.02, 0.05, 0.2, 0.5, 1.0, 2.0, 3.0}) {
     Paint paint = base;
     paint.flakes_per_mm2 = coverage / area_mm2;
     cases.push_back({"coverage", coverage, paint, 20});
@@ -45,10 +46,18 @@ inline std::vector<ExplicitCase> explicit_cases() {
   for (double angle : {5.0, 30.0, 50.0, 65.0, 80.0}) {
     cases.push_back({"angle to the normal, degrees", angle, base, angle});
   }
-  for (double ratio : {0.1, 0.3, 0.67, 2.0, 6.0}) {
+  for (double ratio : {0.05, 0.1, 0.3, 0.67, 1.0, 2.0, 6.0}) {
     Paint paint = base;
     paint.layer_thickness_um = paint.flake_diameter_um / ratio;
     cases.push_back({"flake diameter over layer thickness", ratio, paint, 20});
+  }
+  for (double aside : {45.0, 90.0, 135.0, 180.0}) {
+    cases.push_back({"azimuth from the mirror direction, degrees", aside, base, 20, aside});
+  }
+  for (double tilt : {0.05, 0.4}) {
+    Paint paint = base;
+    paint.tilt = tilt;
+    cases.push_back({"tilt", tilt, paint, 20});
   }
   return cases;
 }
@@ -65,7 +74,7 @@ inline constexpr std::pair<const char*, DepthModel> kDepthModels[] = {
 struct ExplicitFound {
   double count;  // of sparkles, over the model's
   Share traced;
-  double deviation_of_mean;  // standard error of traced.mean
+  double deviation_of_mean, deviation_of_square;  // standard errors; of the square's no less
   // Of kDepthModels; Wasserstein's distances from the traced law, in its standard deviations.
   Share share[std::size(kDepthModels)];
   double distance[std::size(kDepthModels)];
@@ -81,7 +90,9 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
   reference::ExplicitScene scene;
   scene.paint = c.paint;
   scene.view = {std::sin(angle), 0, std::cos(angle)};
-  scene.light = {-std::sin(angle), 0, std::cos(angle)};
+  const double azimuth = (180 - c.aside) * std::numbers::pi / 180;
+  scene.light = {std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth),
+                 std::cos(angle)};
   scene.light_radius = kWideLight;
   scene.pixels = static_cast<std::size_t>(pixels);
 
@@ -100,7 +111,9 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
     scene.seed = seed;
     const reference::ExplicitResult result = reference::trace_explicit_flakes(scene);
     for (double n : result.count) count += n;
-    share = {result.mean_share.y, result.mean_square_share.y};
+    // Of the mean of so many points, squared, one pair in so many is a point with itself.
+    const double mean = result.mean_share.y, points = scene.points;
+    share = {mean, (result.mean_square_share.y * points - mean) / (points - 1)};
     std::vector<double> values;
     for (const Rgb<double>& t : result.radiance) values.push_back(t.y);
     return std::pair(values, result.flakes);
@@ -128,14 +141,16 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
   found.count = count / (kSparklesPerPixel * pixels);
   found.deviation_of_mean =
       std::sqrt((found.traced.square - found.traced.mean * found.traced.mean) / count);
+  found.deviation_of_square =  // s^4 is at most s^2
+      std::sqrt((found.traced.square - found.traced.square * found.traced.square) / count);
   for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
     const DepthModel model = kDepthModels[i].second;
     found.distance[i] = wasserstein(modelled(model), traced) / spread;
     // Thinned has attenuated's mean, and s is 0 or 1.
     const bool thinned = model == DepthModel::thinned;
-    const double depth = expect(thinned ? DepthModel::attenuated : model, scene.footprint).slant.y;
-    const double mean = mean_transmittance(depth);
-    found.share[i] = {mean, thinned ? mean : mean_transmittance(2 * depth)};
+    const auto expected = expect(thinned ? DepthModel::attenuated : model, scene.footprint);
+    const double depth = expected.slant.y, mean = mean_transmittance(depth);
+    found.share[i] = {mean, thinned ? mean : mean_transmittance(2 * depth - expected.hidden)};
   }
   return found;
 }

@@ -29,7 +29,7 @@ struct Effort {
   std::size_t scenes;
 };
 constexpr Effort kFull{256, 25, 8192, 12, 8192, 1 << 17, 16384, 80, 6, 512, 6};
-constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 512, 24, 3, 64, 3};
+constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 4096, 24, 3, 64, 3};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
 constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
@@ -382,7 +382,8 @@ void write_explicit(std::ostream& out, int pixels) {
     for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
       share(kDepthModels[i].first, f.share[i]);
     }
-    out << "\"deviation_of_mean\": " << f.deviation_of_mean << ", \"distance\": {";
+    out << "\"deviation_of_mean\": " << f.deviation_of_mean
+        << ", \"deviation_of_square\": " << f.deviation_of_square << ", \"distance\": {";
     for (std::size_t i = 0; i < std::size(kDepthModels); ++i) {
       out << quoted(kDepthModels[i].first) << ": " << f.distance[i] << ", ";
     }

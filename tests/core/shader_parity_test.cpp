@@ -267,14 +267,14 @@ ParityScene random_scene(Random& random) {
 // How often the scenes came to what is rare.
 struct Visits {
   long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, wide = 0,
-       grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0;
+       grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
 void compare(Same& same, const ParityScene& scene, std::vector<float>& library_values,
              Visits& visits) {
   const Paint& paint = scene.paint;
-  const SurfacePoint<float>& point = scene.point;
+  const SurfacePoint<float> point = under_orange_peel(paint, scene.point);
   float* library = library_values.data();
   const Layer<float> layer = make_layer<float>(paint);
   const auto [given, shader_layer, shader_flakes] = to_osl(paint, library);
@@ -284,18 +284,30 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const float cos_view = osl::seen_cosine(to_osl(point.normal), to_osl(point.view));
   same("seen_cosine", cos_view, seen_cosine(point.normal, point.view));
   visits.grazed += cos_view < 1e-4f;
-  const float cos_in = osl::min(osl::eta_cos_refracted(cos_view, layer.eta) / layer.eta, 1.0f);
   osl::SurfacePoint surface;
   surface.position = to_osl(point.position);
   surface.n = to_osl(point.normal);
   surface.view = to_osl(point.view);
   surface.footprint = point.footprint;
-  surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
   surface.pixel_x = point.pixel_x;
   surface.pixel_y = point.pixel_y;
   surface.own = {to_osl(point.own.position), to_osl(point.own.x), to_osl(point.own.y),
                  to_osl(point.own.z), point.own.instance};
   surface.plane = osl::lattice_plane(surface.own, surface.n);
+  surface.bends = point.bends;
+  surface.below = surface.view;
+  if (surface.bends) {
+    surface.wave =
+        osl::orange_peel(surface.n, surface.own.position, static_cast<float>(paint.orange_peel),
+                         static_cast<float>(paint.orange_peel_mm) * 0.001f);
+    surface.below = osl::through_wave(surface.view, surface.n, surface.wave, layer.eta);
+    same("wave", surface.wave, point.wave);
+    ++visits.bent;
+  }
+  same("view under the wave", surface.below, view_below(point));
+  const float cos_below = osl::seen_cosine(surface.n, surface.below);
+  const float cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
+  surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
   same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);
@@ -432,8 +444,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
 
   const auto substrate = static_cast<Rgb<float>>(paint.substrate_color);
   const auto shader_mixture = osl::mixture(shader_layer, shader_flakes, library, surface.slant,
-                                           to_osl(substrate), cos_view);
-  const Mixture<float> core_mixture = mixture(layer, substrate, cos_view);
+                                           to_osl(substrate), cos_below);
+  const Mixture<float> core_mixture = mixture(layer, substrate, cos_below);
   same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
   same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
@@ -479,7 +491,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const auto shader_sample = osl::sample_flake(shader_layer, shader_flakes, library, surface,
                                                shader_firsts, osl::inside_unit(u), w);
   const MirroredSample<float> sample =
-      sample_flake(layer, point.normal, point.view, inside_unit(u), w, firsts.data());
+      sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data());
   same("sample's weight", shader_sample.weight, sample.weight);
   same("sample's spread", shader_sample.spread, sample.spread);
   if (max_component(sample.weight) > 0) {
@@ -494,6 +506,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     const auto shader_wide = osl::wide_cone(shader_sample, surface.n, osl::inside_unit(u), w, e);
     same("wide cone", shader_wide.direction, wide.direction);
     same("wide cone's half-angle", shader_wide.half_angle, wide.half_angle);
+    same("direction beyond the wave",
+         osl::back_through_wave(shader_wide.direction, surface.n, to_osl(bent), layer.eta),
+         back_through_wave(wide.direction, point.normal, bent, layer.eta));
     if (wide.half_angle > 0) ++visits.wide;
   }
 }
@@ -521,7 +536,7 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   for (const long visited :
        {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
         visits.wide, visits.grazed, visits.close, visits.covered, visits.lit, visits.melting,
-        visits.melted}) {
+        visits.melted, visits.bent}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }

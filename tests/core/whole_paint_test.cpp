@@ -269,6 +269,138 @@ TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
   EXPECT_NEAR(std::sqrt(square / n), 0.01, 0.0005);
 }
 
+// Through a wave a direction lies in the binder where Snell's law about the wave's normal puts it,
+// and comes back as it went.
+TEST(OrangePeel, BendsByTheWavesOwnSurface) {
+  Random random = fresh(38);
+  int seen = 0;
+  for (int k = 0; k < 10'000; ++k) {
+    const double eta = random.uniform(1, 2.2);
+    const auto wave = spherical(random.uniform(0, 0.3), random.uniform(0, 6.28));
+    const auto d = spherical(random.uniform(0, 1.5), random.uniform(0, 6.28));
+    const auto even = through_wave(d, kUp, wave, eta);
+    EXPECT_NEAR(length(even), 1, 1e-13);
+    const double cosine = dot(wave, d);
+    if (cosine < 0.01 || even.z < 0.011) continue;  // at the horizon
+    ++seen;
+    // In the binder, by either surface: sines by Snell, in the plane of d and the normal.
+    const auto inside = [&](Vec3<double> out, Vec3<double> normal) {
+      const Vec3<double> along = (out - normal * dot(normal, out)) / eta;
+      return along + normal * std::sqrt(1 - dot(along, along));
+    };
+    EXPECT_NEAR(length(inside(d, wave) - inside(even, kUp)), 0, 1e-12);
+    const auto back = back_through_wave(even, kUp, wave, eta);
+    if (d.z > 0.011) {
+      EXPECT_NEAR(length(back - d), 0, 1e-11);
+    }
+  }
+  EXPECT_GT(seen, 8'000);
+}
+
+// A few flakes under a wave, lit and seen by Snell's law about the wave: n_f halves the angle
+// between the ways in the binder, the flakes lie about the paint's normal, a beam is as dense in
+// the binder as its flux through the wave's surface has it. Only what the surface lets through is
+// that of even directions.
+TEST(OrangePeel, FlakesAreSeenByTheWavesOwnSurface) {
+  Random random = fresh(39);
+  Worst worst;
+  int compared = 0;
+  for (int k = 0; k < 2'000; ++k) {
+    Paint paint;
+    paint.anchor = Anchor::pixel;
+    paint.flakes_per_mm2 = 1;  // none hides another
+    paint.flake_spread = 1e-4;
+    paint.diffraction = Diffraction::none;
+    paint.tilt = random.uniform(0.1, 0.3);
+    paint.binder_ior = random.uniform(1.3, 1.8);
+    paint.orange_peel = random.log_uniform(1e-3, 0.1);
+    const auto layer = make_layer<double>(paint);
+    const double eta = layer.eta;
+    auto point = seen_at(random.uniform(0.3, 1));
+    point.footprint = 1e-2;
+    point.own.position = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const auto toward = spherical(random.uniform(0, 1.2), random.uniform(0, 6.28));
+    SeenLight<double> light;
+    light.direction = Vec3<long double>(toward);
+    light.sin2_half_radius = 1e-10L;
+    light.visible = true;
+    point = under_orange_peel(paint, point);
+    const Vec3<double> wave = point.wave;
+    const auto inside = [&](Vec3<double> out) {
+      const Vec3<double> along = (out - wave * dot(wave, out)) / eta;
+      return along + wave * std::sqrt(1 - dot(along, along));
+    };
+    const Vec3<double> v = inside(point.view), l = inside(toward);
+    const Vec3<double> view = through_wave(point.view, kUp, wave, eta),
+                       from = through_wave(toward, kUp, wave, eta);
+    if (view.z < 0.02 || from.z < 0.02 || dot(wave, toward) < 0.02) continue;
+    const Vec3<double> half = (v + l) / length(v + l);
+    const double p = orientation_density(layer.flakes[0].orientation,
+                                         length(half - kUp) * length(half - kUp) / 4) /
+                     (2 * kPi);
+    const auto passed = [&](Vec3<double> d) {
+      return fresnel_transmittance(d.z, eta_cos_refracted(d.z, eta), eta);
+    };
+    const double denser = dot(wave, toward) / (eta * eta * dot(wave, l));
+    const double expected = layer.coverage * p *
+                            coating_reflectance(layer.flakes[0].coating, dot(half, v)).y *
+                            passed(view) * passed(from) * denser / (4 * v.z);
+    const auto way = pass_between(layer, point, light);
+    const double found = mean_radiance(expect_sparkles(layer, layer.flakes[0], 1e-2, way)).y;
+    if (!(expected > 1e-12)) continue;
+    ++compared;
+    worst.see(std::abs(found / expected - 1), "tilt", paint.tilt, "peel", paint.orange_peel, "view",
+              point.view.z, "light", toward.z);
+  }
+  EXPECT_GT(compared, 500);
+  worst.expect_at_most(0.01);  // what hides a flake is 0.001 of it, more at the horizon
+}
+
+// Light by light it is as much: the waves turn the light, and take none of it.
+TEST(OrangePeel, AlbedoIsTheIntegralOfTheReflectance) {
+  Random random = fresh(41);
+  Worst worst;
+  for (int k = 0; k < 12 / std::min(kFewer, 4); ++k) {
+    Paint paint = random_paint(random);
+    paint.tilt = random.log_uniform(0.15, 0.5);
+    paint.coat_roughness = 0;
+    paint.composition = Composition::exact;
+    paint.orange_peel = random.log_uniform(0.01, 0.1);
+    paint.binder_ior = random.uniform(1.4, 1.7);
+    auto point = seen_at(random.uniform(0.3, 1));
+    point.own.position = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const auto layer = make_layer<double>(paint);
+    const auto stack = make_stack(paint, layer, point, kUp);
+    const Rgb<double> integral = over_half_sphere(
+        300, [&](Vec3<double> light) { return reflectance(layer, stack, point, light); });
+    const Rgb<double> albedo = directional_albedo(layer, stack, point);
+    worst.see(std::abs(integral.y + stack.coat.reflected - albedo.y), "albedo", albedo.y, "tilt",
+              paint.tilt, "peel", paint.orange_peel);
+  }
+  // 0.003 without waves; at the horizon a wave hides some of the light from itself.
+  worst.expect_at_most(0.01);
+}
+
+// Under waves a paint that absorbs nothing still loses nothing: what the light's way loses in one
+// direction it gains in another.
+TEST(OrangePeel, WhiteFurnace) {
+  Random random = fresh(40);
+  Worst worst;
+  for (int k = 0; k < 100 / kFewer; ++k) {
+    Paint paint = lossless_paint(random);
+    paint.depth_model = DepthModel::attenuated;
+    paint.binder_ior = random.uniform(1.3, 1.8);
+    paint.orange_peel = random.log_uniform(1e-3, 0.2);
+    auto point = seen_at(random.uniform(0.1, 1));
+    point.own.position = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const auto layer = make_layer<double>(paint);
+    const auto stack = make_stack(paint, layer, point, kUp);
+    worst.see(std::abs(directional_albedo(layer, stack, point).x - 1), "tilt", paint.tilt, "peel",
+              paint.orange_peel, "eta", layer.eta);
+  }
+  worst.expect_at_most(0.01);  // as without waves
+}
+
 template <class T>
 void expect_finite_everywhere() {
   Random random = fresh(36);

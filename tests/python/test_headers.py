@@ -41,6 +41,7 @@ ONLY_CORE = {
     **dict.fromkeys(("power_of_two", "binary_exponent", "significand"), "OSL's exp2 and logb"),
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
+    **dict.fromkeys(("view_below", "under_orange_peel"), "the shader's main fills its surface"),
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
     "ramp_at": "a closure",
     **dict.fromkeys(("reflectance", "flake_albedo", "directional_albedo"), "likewise"),

@@ -4,14 +4,20 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+import seeds
 from common.processes import ROOT
-from common.report_folder import MEASURE, REPORT
+from common.report_folder import MEASURE, REPORT, fit_folder
+from measure.brdf import COLUMNS, direction
+from measure.fit import radiance
+from metallic_paint.paint import Paint, presets
 
 SECONDS = 900  # the first run builds and installs
 
@@ -79,10 +85,68 @@ def test_what_cannot_be_written_is_said_before_measuring(tmp_path: Path) -> None
         ["--out", folder],
         ["--out", tmp_path / "a", "--json", file / "numbers.json"],
         ["--out", tmp_path / "a", "--json", tmp_path],
+        ["--out", folder, "--fit", "pearl-paint"],
     ):
-        done = measure("gold", "--quick", *arguments)
+        of = [] if "--fit" in arguments else ["gold"]
+        done = measure(*of, "--quick", *arguments)
         assert done.returncode == 1
         assert "Traceback" not in done.stderr
-        assert "Goniophotometer" not in done.stdout
+        assert not done.stdout
     assert sorted(tmp_path.iterdir()) == [file, folder]
     assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+
+
+def table_of(paint: Paint, path: Path) -> None:
+    """What a gonioreflectometer would find of the paint."""
+    angles = np.array([
+        (light, view, phi) for view in (10, 30, 50, 70) for light in (2, 10, 20, 30, 40, 50, 60, 72)
+        for phi in (0, 120, 165, 180)
+    ])  # fmt: skip
+    theta_light, theta_view, phi = np.radians(angles).T
+    light, view = direction(theta_light), direction(theta_view, phi)
+    brdf = radiance(paint, light, view) / light[:, 2:]
+    rows = (",".join(f"{x:.9g}" for x in row) for row in np.c_[angles, brdf])
+    path.write_text("\n".join([",".join(COLUMNS), *rows]))
+
+
+def test_a_paint_is_found_again_from_its_brdf(tmp_path: Path) -> None:
+    rng = seeds.fresh(11)
+
+    def colour(low: float, high: float) -> tuple[float, ...]:
+        return tuple(map(float, rng.uniform(low, high, 3)))
+
+    paint = Paint(
+        flakes_per_mm2=rng.uniform(800, 4000), tilt=rng.uniform(0.08, 0.25),
+        coat_roughness=rng.uniform(0.2, 0.5), binder_ior=rng.uniform(1.4, 1.7),
+        flake_color=colour(0.4, 0.9), layer_thickness_um=rng.uniform(15, 60),
+        binder_absorption_per_mm=colour(0, 30), substrate_color=colour(0.01, 0.3),
+    )  # fmt: skip
+    table_of(paint, tmp_path / "mine.csv")
+    out, file = tmp_path / "out", tmp_path / "numbers.json"
+    done = measure("--fit", tmp_path / "mine.csv", "--quick", "--out", out, "--json", file)
+    assert done.returncode == 0, done.stdout + done.stderr
+    kind = fit_folder("mine")
+    assert sorted(path.name for path in out.iterdir()) == sorted([REPORT, *kind.pictures])
+    assert (out / REPORT).read_text().startswith(kind.mark)
+
+    found = presets.load(out / "mine.json")
+    figures = {figure["name"]: figure["value"] for figure in json.loads(file.read_text())}
+    # Of six paints: 0.2 to 0.3 steps of L*; tilt, roughness and index within 1.5 %.
+    assert figures["RMS error"] < 1, paint
+    # Beckmann's law of a small tilt is Gauss's of its slope, alpha/sqrt(2).
+    gaussian = found.tilt / (math.sqrt(2) if found.orientation == "beckmann" else 1)
+    assert gaussian == pytest.approx(paint.tilt, rel=0.05), paint
+    assert found.coat_roughness == pytest.approx(paint.coat_roughness, rel=0.05), paint
+    assert found.binder_ior == pytest.approx(paint.binder_ior, abs=0.05), paint
+
+
+def test_a_fit_of_what_is_not_there_is_a_sentence(tmp_path: Path) -> None:
+    for arguments, complaint in (
+        (["--fit", "mauve"], "'mauve' is neither a file nor a measured paint"),
+        (["--fit", "pearl-paint", "--diameter", "0"], "--diameter is 0, but must be from 1"),
+    ):
+        done = measure(*arguments, "--quick", "--out", tmp_path / "out")
+        assert done.returncode == 1
+        assert complaint in done.stderr
+        assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -171,7 +171,7 @@ def _depth(results: Results, file: Path) -> None:
     cases = results.data["explicit"]
     varied = list(dict.fromkeys(case["varied"] for case in cases))
     figure, grid = plt.subplots(
-        3, len(varied), figsize=(11.5, 8.5), layout="constrained", sharey="row"
+        3, len(varied), figsize=(16, 8.5), layout="constrained", sharey="row"
     )
     for column, what in enumerate(varied):
         of = [case for case in cases if case["varied"] == what]
@@ -188,13 +188,13 @@ def _depth(results: Results, file: Path) -> None:
         style |= {"mfc": "none", "label": "traced flakes, other seed (noise)"}
         law.plot(x, [case["distance"]["floor"] for case in of], **style)
         for axes in (mean, spread, law):
-            if "angle" not in what:
+            if "degrees" not in what:
                 axes.set_xscale("log")
                 axes.set_xticks(x, [f"{v:g}" for v in x])
             axes.minorticks_off()
         law.set_xlabel(PARTS.get(what, what))
     grid[0, 0].set_ylabel("mean share that the layer\nleaves of a sparkle, E[s]")
-    grid[1, 0].set_ylabel("fluctuation by depth,\nE[s²]/E[s]²")
+    grid[1, 0].set_ylabel("fluctuation of the share,\nE[s²]/E[s]²")
     grid[2, 0].set_ylabel("distance of a pixel's law\nfrom the traced one, in σ")
     grid[0, 0].legend(loc="lower left")
     grid[2, 0].legend(loc="upper left", fontsize=8)

@@ -30,6 +30,7 @@ SCREEN_STEP = 1 / 255  # of an 8-bit picture
 # What the mean of “correlated” may be off by. The first where flakes are at most as wide as the
 # layer is thick: wider ones stick out of it.
 MEAN_OFF, MEAN_OFF_WIDE = 0.03, 0.06
+SQUARE_OFF = 0.03  # and its mean square, likewise for the narrower ones
 CHANCE = 1e-4  # that one of the cases misses by the tracing's noise alone
 NUMBER_TYPE, ORIENTATION = "number type", "orientation P(β)"
 # What the numbers alone do not say.
@@ -153,7 +154,7 @@ def depth_models(results: Results) -> Iterator[str]:
         f"{len(distances)} cases; in {paper_nearer(results)} of them another is nearer by "
         "more than the noise. The fluctuation E[s²]/E[s]² of “correlated” is "
         f"{fluctuations['correlated']} of the traced one, of “attenuated” "
-        f"{fluctuations['attenuated']}, of “thinned” {fluctuations['thinned']}. The first two dim "
+        f"{fluctuations['attenuated']}, of “thinned” {fluctuations['thinned']}. “Attenuated” dims "
         "all flakes at one depth alike; of traced ones chance hides some, and parts of others."
     )
 
@@ -205,16 +206,18 @@ def in_short(results: Results) -> Iterator[str]:
     yield ""
 
 
-def mean_off(results: Results, *, beyond_chance: bool = False) -> tuple[list[float], list[float]]:
-    """What the mean of “correlated” is off by: of flakes at most as wide as the layer is thick, and
-    of wider ones.
+def share_off(
+    results: Results, quantity: str = "mean", *, beyond_chance: bool = False
+) -> tuple[list[float], list[float]]:
+    """What the mean, or "square", of “correlated” is off by: of flakes at most as wide as the layer
+    is thick, and of wider ones.
     """
     cases = results.data["explicit"]
     z = statistics.NormalDist().inv_cdf(1 - CHANCE / (2 * len(cases))) if beyond_chance else 0
     found: tuple[list[float], list[float]] = ([], [])
     for case in cases:
-        noise = z * case["deviation_of_mean"] / case["traced"]["mean"]
-        off = abs(mean_over_traced(case, "correlated") - 1)
+        noise = z * case[f"deviation_of_{quantity}"] / case["traced"][quantity]
+        off = abs(case["correlated"][quantity] / case["traced"][quantity] - 1)
         wide = case["varied"] == FLAKE_SIZE and case["value"] > 1
         found[wide].append(max(off - noise, 0))
     return found
@@ -241,8 +244,8 @@ def brightness_advice(results: Results) -> str:
     for case in results.data["explicit"]:
         ratio = case["traced"]["mean"] / case["attenuated"]["mean"]
         excess.setdefault(case["varied"], {})[case["value"]] = ratio - 1
-    coverage, angle, size = excess.values()
-    narrow, wide = mean_off(results)
+    coverage, angle, size, *_ = excess.values()
+    narrow, wide = share_off(results)
     densest, steep, grazing = max(coverage), min(angle), max(angle)
     least_cover, least_size = (
         max((v for v, more in of.items() if more <= NEARLY_AS_BRIGHT), default=0)
@@ -258,7 +261,8 @@ def brightness_advice(results: Results) -> str:
         f"{least_cover:g}, or with flakes of at most {least_size:g} of the layer's thickness. The "
         f"mean of “correlated” is off by {percent(max(narrow), 1)} at most where flakes are at "
         f"most as wide as the layer is thick, by {percent(max(wide), 1)} at most where they are "
-        "wider."
+        f"wider; its mean square by {percent(max(share_off(results, 'square')[0]), 1)} and "
+        f"{percent(max(share_off(results, 'square')[1]), 1)}."
     )
 
 
@@ -376,9 +380,9 @@ def report(results: Results) -> Iterator[str]:
     yield ""
     yield (
         "Flakes are discs that hide one another; s is what the layer leaves of a sparkle. One "
-        "thing is varied at a time about coverage 0.5, 20° and flakes of 20 µm in 30 µm of paint; "
-        "three sparkles a pixel, under a light of 0.1 rad that makes them many. What sticks out of "
-        "the layer is seen freely."
+        "thing is varied at a time about coverage 0.5, 20° in the plane of the mirror direction, "
+        "tilt 0.15 and flakes of 20 µm in 30 µm of paint; three sparkles a pixel, under a light of "
+        "0.1 rad that makes them many. What sticks out of the layer is seen freely."
     )
     yield ""
     yield "![Mean and fluctuation of the share, distance of the law](depth.png)"
@@ -436,7 +440,8 @@ def make_bars(results: Results) -> list[bars.Bar]:
             bars.at_most(f"accuracy, {name}: Wasserstein distance likewise, {of}", distance, 1),
         ]  # fmt: skip
     single = results.shipped(NUMBER_TYPE)
-    narrow, wide = mean_off(results, beyond_chance=True)
+    narrow, wide = share_off(results, beyond_chance=True)
+    squares = share_off(results, "square", beyond_chance=True)[0]
     of = f"mean of correlated off, beyond chance (p = {CHANCE:g})"
     return [
         *found,
@@ -445,6 +450,8 @@ def make_bars(results: Results) -> list[bars.Bar]:
         bars.at_most(f"accuracy, traced flakes up to as wide as the layer is thick: {of}",
                      max(narrow), MEAN_OFF),
         bars.at_most(f"accuracy, traced flakes that are wider: {of}", max(wide), MEAN_OFF_WIDE),
+        bars.at_most("accuracy, traced flakes up to as wide as the layer is thick: mean square "
+                     "likewise", max(squares), SQUARE_OFF),
         bars.at_most("accuracy, traced flakes: cases in which a law of the paper's is nearer than "
                      "correlated's by more than the noise", paper_nearer(results), 0),
     ]  # fmt: skip

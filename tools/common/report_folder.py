@@ -50,6 +50,13 @@ class ReportFolder:
 
 ACCURACY = ReportFolder("accuracy", ("choices.png", "draws.png", "depth.png", "pictures.png"))
 MEASURE = ReportFolder("measure", ("goniophotometer.png",))
+
+
+def fit_folder(name: str) -> ReportFolder:
+    """Of ./paint measure --fit, with the preset that it found."""
+    return ReportFolder("measure --fit", ("curves.png", "spheres.png", f"{name}.json"))
+
+
 BENCH = ReportFolder("bench", ("waits.png", "samples.png", "growth.png", "error.png"))
 MOTION = ReportFolder("motion", ("motion.webp", "turntable.jpg", "dolly.jpg", "pan.jpg", "sun.jpg"))
 

@@ -72,9 +72,9 @@ def _colours(panels: np.ndarray, goniogram: Goniogram) -> None:
     colours = goniogram.reflectance.value
     white = max(1.0, colours[[CURVE.index(angle) for angle in ANGLES]].max())
     for axes, angle in zip(panels, ANGLES, strict=True):
-        axes.imshow([[_encoded(colours[CURVE.index(angle)] / white)]], aspect="auto")
+        axes.imshow([[encoded(colours[CURVE.index(angle)] / white)]], aspect="auto")
         axes.set_title(f"{angle}°")
-        _bare(axes)
+        bare(axes)
     panels[0].set_ylabel(f"white is R = {white:.2g}", fontsize=7)
 
 
@@ -82,21 +82,21 @@ def _picture(axes: Axes, light: int, sparkle: Sparkle) -> None:
     median = np.median(sparkle.picture @ LUMINANCE)
     crop = sparkle.picture[:CROP, :CROP]
     white = WHITE * median if median > 0 else max(crop.max(), 1e-9)
-    axes.imshow(_encoded(crop / white), interpolation="nearest")
+    axes.imshow(encoded(crop / white), interpolation="nearest")
     intensity = sparkle.intensity.value
     contrast = f", intensity {intensity:,.0f}" if np.isfinite(intensity) else ""
     axes.set_title(f"lamp at {light}°: area {100 * sparkle.area.value:.3g} %{contrast}")
     axes.set_xlabel(f"{len(crop) * PIXEL * 1e3:.1f} mm; white is {WHITE} × the median")
-    _bare(axes)
+    bare(axes)
 
 
-def _bare(axes: Axes) -> None:
+def bare(axes: Axes) -> None:
     axes.set_xticks([])
     axes.set_yticks([])
     axes.grid(visible=False)
 
 
-def _encoded(rgb: np.ndarray) -> np.ndarray:
+def encoded(rgb: np.ndarray) -> np.ndarray:
     """sRGB (IEC 61966-2-1), clipped."""
     x = np.clip(rgb, 0, 1)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
