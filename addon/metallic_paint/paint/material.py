@@ -388,6 +388,8 @@ def node_group() -> bpy.types.ShaderNodeTree:
     text = shader.source()
     if own := _own_group((VERSION, digest(text))):
         return own
+    if not has_osl():
+        return _from_library()
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     try:
         script = _script_node(group, text)
@@ -396,6 +398,16 @@ def node_group() -> bpy.types.ShaderNodeTree:
         bpy.data.node_groups.remove(group)
         raise
     mark(group, text)
+    return group
+
+
+def _from_library() -> bpy.types.ShaderNodeTree:
+    """The group with the shader as another Blender has compiled it: this one has no compiler."""
+    if not shader.LIBRARY.is_file():
+        raise shader.CompileError(NO_OSL)
+    with bpy.data.libraries.load(str(shader.LIBRARY), link=False) as (_, into):
+        into.node_groups = [NAME]
+    [group] = into.node_groups
     return group
 
 
