@@ -86,7 +86,6 @@ _GEOMETRY_DESCRIPTIONS = {
     REST_POSITION: "Place in the object's own space before anything deforms it, where the flakes "
     "lie: for a mesh that deforms, the attribute rest_position",
 }
-_SHUT = (SECOND, THIRD)  # panels that start closed
 
 _EXTRAS = {
     "Frame": _Extra(
@@ -453,9 +452,10 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
     script_inputs = {socket.identifier: socket for socket in script.inputs}
 
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
+    # Closed: Blender's own Surface panel shows them too, with numbers for choices and names cut.
     panels = {
         name: group.interface.new_panel(
-            name, description=_PANEL_DESCRIPTIONS[name], default_closed=name in _SHUT
+            name, description=_PANEL_DESCRIPTIONS[name], default_closed=True
         )
         for name in PANELS
     }
