@@ -44,7 +44,7 @@ NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
-_PREVIEW = "a preview without sparkles"
+_PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 WITHIN_GROUP = "The paint stands within a node group"
 LINKED = "The {} is linked from another file and cannot be changed"
