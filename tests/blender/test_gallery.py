@@ -7,11 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bpy
+import numpy as np
 import OpenImageIO
 from common.processes import ROOT, TOOLS
 from common.report_folder import GALLERY
 from metallic_paint.paint import presets
-from pictures import gallery
+from pictures import car_body, car_cabin, gallery
 
 SECONDS = 120  # a gallery of one swatch that takes longer hangs
 
@@ -76,3 +78,11 @@ def test_the_committed_gallery_shows_every_preset() -> None:
         film = picture.endswith(".webp")
         assert (folder / picture).stat().st_size < (2_000_000 if film else 500_000)
         assert OpenImageIO.ImageBuf(str(folder / picture)).spec().width >= (400 if film else 800)
+
+
+def test_the_cabin_of_the_car_lies_within_its_body() -> None:
+    """What stands out of it would hang in the air beside the bonnet."""
+    car_cabin.build(bpy.context.scene)
+    for thing in bpy.context.scene.objects:
+        places = np.array([vertex.co for vertex in thing.data.vertices])
+        assert car_body.shell(*places.T).max() < 0, thing.name

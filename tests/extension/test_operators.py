@@ -199,6 +199,7 @@ def uncompiled(
     if request.param == "compiler":
         return r"metallic_paint.osl[.\d]* does not compile as OSL"
     monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)
+    monkeypatch.setattr(addon("paint.shader"), "LIBRARY", Path("/nowhere"))  # as in the repository
     return "This Blender was built without Open Shading Language"
 
 
@@ -216,6 +217,22 @@ def test_new_paint_that_does_not_compile_leaves_nothing(
     assert "Traceback" not in str(refusal.value)
     assert held() == before
     assert not cube.material_slots
+
+
+def test_without_a_compiler_the_shader_comes_from_the_asset_library(
+    addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Compiled: the file renders wherever there is Open Shading Language."""
+    material = addon("paint.material")
+    monkeypatch.setattr(material, "has_osl", lambda: False)
+    monkeypatch.setattr(addon("paint.shader"), "compile_into", None)
+    bpy.ops.material.metallic_paint_new(preset="gold")
+    node = material.paint_node(cube.active_material)
+    assert material.is_current(node.node_tree, material.digest(addon("paint.shader").source()))
+    assert node.node_tree.nodes[material.NAME].bytecode
+    assert material.paint_of(node) == addon("paint.presets").load("gold")
+    bpy.ops.material.metallic_paint_new(preset="copper")
+    assert material.paint_node(cube.active_material).node_tree == node.node_tree  # once in a file
 
 
 def test_paint_node_that_does_not_compile_leaves_nothing(

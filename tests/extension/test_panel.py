@@ -137,7 +137,7 @@ def test_panel_says_where_the_paint_shows(
             scene=bpy.context.scene, object=cube,
         )  # fmt: skip
         texts = drawn(bpy.types.MATERIAL_PT_metallic_paint, context).texts
-        return "A preview without sparkles: they show in Rendered view." in texts
+        return "A preview: the sparkles themselves show in Rendered view." in texts
 
     bpy.ops.scene.metallic_paint_use_osl()
     assert not shown("SOLID")
@@ -171,6 +171,19 @@ def test_choices_are_chosen_by_words(addon: Addon, cube: bpy.types.Object) -> No
     node.inputs["Coating"].default_value = -1
     assert node.metallic_paint_coating == "colors"
     assert not node.keys()
+
+
+def test_labels_of_choices_have_their_room_in_a_narrow_panel(
+    addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Blender gives a choice's label a third of the row, and cuts it."""
+    bpy.ops.material.metallic_paint_new()
+    sparkle = bpy.types.MATERIAL_PT_metallic_paint_sparkle
+    assert "Depth Model" in drawn(sparkle).labels
+    monkeypatch.setattr(addon("interface.panel"), "_width", lambda: 270)
+    narrow = drawn(sparkle)
+    assert "Depth Model:" in narrow.texts
+    assert "Depth Model" not in narrow.labels
 
 
 def test_what_artists_change_first_stands_in_the_panel(
@@ -359,12 +372,11 @@ def test_asset_library_is_known_behind_a_symbolic_link(
     addon: Addon, installed: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     (tmp_path / "link").symlink_to(installed)
-    source = (installed / "interface" / "library.py").read_text()
-    file = tmp_path / "link" / "interface" / "library.py"
-    here = {"__file__": str(file), "__package__": "p", "__name__": "p"}
-    [line] = [line for line in source.splitlines() if line.startswith("FOLDER = ")]
-    exec(line, here | {"Path": Path}, found := {})
-    monkeypatch.setattr(addon("interface.library"), "FOLDER", found["FOLDER"])
+    source = (installed / "paint" / "shader.py").read_text()
+    file = tmp_path / "link" / "paint" / "shader.py"
+    lines = [line for line in source.splitlines() if line.startswith(("_PACKAGE = ", "LIBRARY = "))]
+    exec("\n".join(lines), {"__file__": str(file), "Path": Path}, found := {})
+    monkeypatch.setattr(addon("interface.library"), "FOLDER", found["LIBRARY"].parent)
     bpy.ops.preferences.metallic_paint_add_library()
     try:
         assert preferences(addon).names == ["preferences.metallic_paint_remove_library"]

@@ -16,6 +16,7 @@ ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_ite
 
 class Layout:
     def __init__(self) -> None:
+        self.use_property_split = False
         self.texts: list[str] = []
         self.operators: list[tuple[str, dict[str, object]]] = []
         self.menus: list[str] = []
@@ -27,6 +28,10 @@ class Layout:
         return self
 
     box = row = column
+
+    def split(self, factor: float) -> Layout:
+        assert 0 < factor < 1
+        return self
 
     def separator(self) -> None:
         pass

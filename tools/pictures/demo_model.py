@@ -12,12 +12,13 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from pictures import car_body
+from pictures import car_body, car_cabin
 from pictures.car_body import AXLES, WHEEL_RADIUS, projected
 from pictures.shapes import (
     Array,
     add_grid,
     add_mesh,
+    glass_material,
     lathe,
     loft,
     plain_material,
@@ -34,13 +35,22 @@ def build_car(scene: bpy.types.Scene) -> bpy.types.Object:
     """Adds the car, 4.3 m long, with all its parts; returns the body, unpainted."""
     points, faces, normals = car_body.mesh()
     lined = car_body.in_lining(points)[faces].all(1)
+    glazed = behind_glass(points[faces].mean(1), normals[faces].mean(1))
+    painted = ~lined & ~glazed
+    # Seen through the glass: pillars and roof from within.
+    trimmed = painted & (points[faces, 2].min(1) > BELT - 0.03)
     body = None
-    for name, some in (("Lining", faces[lined]), ("Body", faces[~lined])):
-        used, some = np.unique(some, return_inverse=True)
-        body = add_mesh(scene, name, points[used], some.reshape(-1, 4), None)
+    for name, some, lift in (
+        ("Lining", lined, 0), ("Headlining", trimmed, -0.012), ("Body", painted, 0)
+    ):  # fmt: skip
+        used, corners = np.unique(faces[some], return_inverse=True)
+        where = points[used] + lift * normals[used]
+        body = add_mesh(scene, name, where, corners.reshape(-1, 4), None)
         body.data.normals_split_custom_set_from_vertices(normals[used])
     parts = Parts(scene)
-    scene.objects["Lining"].data.materials.append(parts.black)
+    for name in ("Lining", "Headlining"):
+        scene.objects[name].data.materials.append(parts.black)
+    car_cabin.build(scene)
     parts.add_glass()
     parts.add_shut_lines()
     parts.add_face()
@@ -52,14 +62,26 @@ def build_car(scene: bpy.types.Scene) -> bpy.types.Object:
     return body
 
 
+def behind_glass(places: Array, normals: Array) -> Array:
+    """Whether the body is cut out there, for a window or a screen."""
+    x, y, z = places.T
+    upper = z > BELT - 0.1
+    side = smooth_curve(SIDE_WINDOW, 240, closed=True)
+    cut = upper & (np.abs(normals[:, 1]) > 0.5) & _within(side, x, z)
+    for corners in (WINDSCREEN, REAR_WINDOW):
+        cut |= upper & (np.abs(normals[:, 1]) < 0.7) & _within(_rounded_outline(corners), x, y)
+    return cut
+
+
 class Parts:
     """What is mounted on the body, each of one plain material."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
         self.scene = scene
-        self.glass = plain_material("Glass", (0.006, 0.007, 0.008), roughness=0.01)
+        self.glass = glass_material("Glass", (0.55, 0.60, 0.60))
+        self.lamp = plain_material("Lamp glass", (0.006, 0.007, 0.008), roughness=0.01)
         self.black = plain_material("Black plastic", (0.006, 0.006, 0.006), roughness=0.4)
-        self.gap = plain_material("Gap", (0.0015, 0.0015, 0.0015), roughness=0.9)
+        self.gap = plain_material("Gap", (0.0015, 0.0015, 0.0015), roughness=0.9, mirrors=False)
         self.chrome = plain_material("Chrome", (0.75, 0.76, 0.78), roughness=0.06, metallic=1)
         self.alloy = plain_material("Alloy", (0.52, 0.53, 0.55), roughness=0.22, metallic=1)
         self.steel = plain_material("Steel", (0.35, 0.34, 0.33), roughness=0.35, metallic=1)
@@ -165,7 +187,7 @@ class Parts:
             # A dark housing, a ring of light and two lenses under glass.
             s, t = rounded(64, 2.4)
             y, z = _slanted(side, s, t, 1.0)
-            self.patch("Head lamp", np.stack([0 * y, y, z], -1), 0, 1.2, 2.4, 0.002, self.glass)
+            self.patch("Head lamp", np.stack([0 * y, y, z], -1), 0, 1.2, 2.4, 0.002, self.lamp)
             angle = np.linspace(0, 2 * np.pi, 160, endpoint=False)
             y, z = _slanted(side, np.cos(angle), np.sin(angle), 1.0)
             ring = np.stack([0 * y, y, z], -1)
@@ -295,6 +317,15 @@ def _from_end_to_end(outline: Array, first: int, last: int) -> Array:
         even = [np.interp(at, way, column) for column in part.T]
         halves.append(np.stack(even, -1)[:-1])
     return np.concatenate(halves)
+
+
+def _within(outline: Array, x: Array, y: Array) -> Array:
+    """Whether points lie in the polygon: a ray from each crosses it an odd number of times."""
+    odd = np.zeros(len(x), bool)
+    for (x0, y0), (x1, y1) in zip(outline, np.roll(outline, -1, 0), strict=True):
+        if y0 != y1:
+            odd ^= ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) / (y1 - y0) * (x1 - x0))
+    return odd
 
 
 def _rounded_outline(corners: Sequence[tuple[float, float]]) -> Array:

@@ -92,19 +92,19 @@ def car(
 
 
 def sun(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.05, roughness=0.35)
+    scenes.add_street(scene, 0.05)
     scenes.add_sun(scene, TOWARDS_SUN, 5.5, (1, 0.95, 0.88))
     scenes.set_world(scene, 0.25, (0.45, 0.65, 1))
 
 
 def sky(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.12)
+    scenes.add_street(scene, 0.10)
     scenes.add_sun(scene, TOWARDS_SUN, 3.2, (1, 0.93, 0.84))
     scenes.set_sky(scene, TOWARDS_SUN, 0.10)
 
 
 def surroundings(scene: bpy.types.Scene) -> None:
-    scenes.add_floor(scene, 400, 0.12)
+    scenes.add_street(scene, 0.10)
     scenes.set_studio_light(scene, "forest", 0.85, 120)
 
 

@@ -168,10 +168,17 @@ def _new_background(scene: bpy.types.Scene, strength: float) -> bpy.types.Shader
 # ---- Subjects ----
 
 
-def add_floor(scene: bpy.types.Scene, size: float, grey: float, roughness: float = 0.5) -> None:
+def add_floor(scene: bpy.types.Scene, size: float, grey: float) -> None:
+    _add_ground(scene, size, shapes.plain_material("Floor", (grey, grey, 1.03 * grey), 0.5))
+
+
+def add_street(scene: bpy.types.Scene, grey: float) -> None:
+    _add_ground(scene, 400, shapes.asphalt_material("Asphalt", grey))
+
+
+def _add_ground(scene: bpy.types.Scene, size: float, surface: bpy.types.Material) -> None:
     s = size / 2
     corners = np.array([(-s, -s, 0), (s, -s, 0), (s, s, 0), (-s, s, 0)])
-    surface = shapes.plain_material("Floor", (grey, grey, 1.03 * grey), roughness)
     shapes.add_mesh(scene, "Floor", corners, np.array([(0, 1, 2, 3)]), surface)
 
 

@@ -119,8 +119,9 @@ def rounded(n: int, power: float) -> tuple[Array, Array]:
 
 
 def plain_material(
-    name: str, colour: Sequence[float], roughness: float, metallic: float = 0, glow: float = 0
-) -> bpy.types.Material:
+    name: str, colour: Sequence[float], roughness: float, metallic: float = 0, glow: float = 0,
+    *, mirrors: bool = True,
+) -> bpy.types.Material:  # fmt: skip
     """A Principled BSDF; `glow` is the radiance of its own light, of the same colour."""
     surface = bpy.data.materials.new(name)
     if surface.node_tree is None:
@@ -129,9 +130,67 @@ def plain_material(
     shader.inputs["Base Color"].default_value = (*colour, 1)
     shader.inputs["Roughness"].default_value = roughness
     shader.inputs["Metallic"].default_value = metallic
+    shader.inputs["Specular IOR Level"].default_value = 0.5 * mirrors
     shader.inputs["Emission Color"].default_value = (*colour, 1)
     shader.inputs["Emission Strength"].default_value = glow
     surface.cycles.emission_sampling = "NONE"  # small lights of the picture, no lamps of the scene
+    return surface
+
+
+def asphalt_material(name: str, grey: float) -> bpy.types.Material:
+    """Stones of a few millimetres, smooth where it is worn."""
+    surface = plain_material(name, (grey, grey, 1.03 * grey), roughness=0.5)
+    tree = surface.node_tree
+    shader = tree.nodes["Principled BSDF"]
+    place, stones, wear, shades, gloss, bump = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("NewGeometry", "TexNoise", "TexNoise", "MapRange", "MapRange", "Bump")
+    )
+    stones.inputs["Scale"].default_value, wear.inputs["Scale"].default_value = 120, 0.7
+    for texture in (stones, wear):
+        tree.links.new(place.outputs["Position"], texture.inputs["Vector"])
+    shades.inputs["From Min"].default_value, shades.inputs["From Max"].default_value = 0.3, 0.7
+    shades.inputs["To Min"].default_value, shades.inputs["To Max"].default_value = 0.4, 1.6
+    gloss.inputs["To Min"].default_value, gloss.inputs["To Max"].default_value = 0.45, 0.62
+    bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = 0.3, 0.003
+    tint = tree.nodes.new("ShaderNodeVectorMath")
+    tint.operation = "SCALE"
+    tint.inputs[0].default_value = (grey, grey, 1.03 * grey)
+    fac = next(out for out in stones.outputs if out.type == "VALUE")
+    tree.links.new(fac, shades.inputs["Value"])
+    tree.links.new(fac, bump.inputs["Height"])
+    worn = next(out for out in wear.outputs if out.type == "VALUE")
+    tree.links.new(worn, gloss.inputs["Value"])
+    tree.links.new(shades.outputs["Result"], tint.inputs["Scale"])
+    tree.links.new(tint.outputs["Vector"], shader.inputs["Base Color"])
+    tree.links.new(gloss.outputs["Result"], shader.inputs["Roughness"])
+    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])
+    return surface
+
+
+def glass_material(name: str, tint: Sequence[float]) -> bpy.types.Material:
+    """A thin pane: what is behind it in the tint, and a mirror image by Schlick's formula."""
+    surface = bpy.data.materials.new(name)
+    if surface.node_tree is None:
+        surface.use_nodes = True  # Blender 4.5
+    tree = surface.node_tree
+    tree.nodes.clear()
+    facing, power, share, through, mirror, mix, out = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("LayerWeight", "Math", "Math", "BsdfTransparent", "BsdfGlossy", "MixShader",
+                     "OutputMaterial")
+    )  # fmt: skip
+    power.operation, power.inputs[1].default_value = "POWER", 5
+    share.operation = "MULTIPLY_ADD"
+    share.inputs[1].default_value, share.inputs[2].default_value = 0.93, 0.07  # of both faces
+    through.inputs["Color"].default_value = (*tint, 1)
+    mirror.inputs["Roughness"].default_value = 0
+    tree.links.new(facing.outputs["Facing"], power.inputs[0])
+    tree.links.new(power.outputs[0], share.inputs[0])
+    tree.links.new(share.outputs[0], mix.inputs["Fac"])
+    tree.links.new(through.outputs[0], mix.inputs[1])
+    tree.links.new(mirror.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], out.inputs["Surface"])
     return surface
 
 

@@ -45,10 +45,10 @@ def build(scene: bpy.types.Scene, subject: bpy.types.Object) -> None:
 
 # Place, target, size along and across, radiance.
 SOFTBOXES = (
-    ((-0.6, 1.3, 1.9), (0.0, 0.0, 0.2), (4.2, 1.3), 4.0),  # above and behind: bonnet, roof
-    ((-1.9, -2.3, 1.75), (0.0, 0.0, 0.2), (3.6, 0.55), 5.0),  # the flank's shoulder
-    ((-2.1, -2.5, 0.42), (0.0, 0.0, 0.25), (3.0, 0.16), 4.0),  # the door
-    ((2.3, 2.2, 1.1), (0.7, 0.0, 0.2), (1.6, 0.7), 3.2),  # the nose
+    ((-0.6, 1.3, 1.9), (0.0, 0.0, 0.2), (4.2, 0.9), 6.5),  # above and behind: bonnet, roof
+    ((-1.9, -2.3, 1.75), (0.0, 0.0, 0.2), (3.6, 0.36), 9.0),  # the flank's shoulder
+    ((-2.1, -2.5, 0.42), (0.0, 0.0, 0.25), (3.0, 0.12), 7.0),  # the door
+    ((2.3, 2.2, 1.1), (0.7, 0.0, 0.2), (1.6, 0.5), 5.0),  # the nose
 )  # fmt: skip
 # Towards the lamp, and the irradiance that it gives the subject's middle, W/m².
 LAMP = ((0.9, -1.5, 1.9), 6.0)
@@ -88,46 +88,52 @@ def add_camera(scene: bpy.types.Scene, corners: Array) -> bpy.types.Object:
 
 
 def add_cyclorama(scene: bpy.types.Scene, ground: Vector, radius: float) -> None:
-    """A floor of dark epoxy that a round wall closes; a lamp behind the car lights the wall."""
+    """A floor of dark epoxy that bends into a round wall, which a lamp behind the car lights."""
     angle = np.linspace(0, 2 * np.pi, 129)[:-1]
-    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1)
-    wall = 9 * radius
-    floor = np.stack([0 * ring, 0.5 * wall * ring, wall * ring]) + np.array(ground)
-    epoxy = plain_material("Floor", (0.010, 0.0105, 0.012), roughness=0.14)
-    add_grid(scene, "Floor", floor, epoxy, closed=(False, True))
-    height = np.linspace(0, wall, 40)[:, None, None]
-    around = wall * ring[None] + height * np.array((0, 0, 1)) + np.array(ground)
+    wall, bend = 9 * radius, 3 * radius
+    cove = np.linspace(0, np.pi / 2, 24)
+    out = np.concatenate([[0, 0.5 * wall], wall - bend + bend * np.sin(cove), [wall]])
+    up = np.concatenate([[0, 0], bend - bend * np.cos(cove), [wall]])
+    around = [np.outer(out, np.cos(angle)), np.outer(out, np.sin(angle)), up[:, None] + 0 * angle]
     behind = ground - wall * Vector((VIEW[0], VIEW[1], 0)).normalized()
     behind.z += 0.6 * radius
-    add_grid(scene, "Backdrop", around[:, ::-1], _backdrop(behind, wall), closed=(False, True))
+    surface = _cyclorama(ground, (2.6 * radius, wall - bend), behind, wall)
+    grid = np.stack(around, -1) + np.array(ground)
+    add_grid(scene, "Cyclorama", grid, surface, closed=(False, True))
 
 
-def _backdrop(middle: Vector, width: float) -> bpy.types.Material:
-    """Its own light, which fades about a point."""
-    surface = bpy.data.materials.new("Backdrop")
-    if surface.node_tree is None:
-        surface.use_nodes = True  # Blender 4.5
-    surface.cycles.emission_sampling = "NONE"  # dim: no lamp to aim at
+def _cyclorama(
+    ground: Vector, fade: tuple[float, float], middle: Vector, width: float
+) -> bpy.types.Material:
+    """Epoxy that fades, with the distance from the car, into the light that falls on the wall."""
+    surface = plain_material("Cyclorama", (0.010, 0.0105, 0.012), roughness=0.14)
     tree = surface.node_tree
-    tree.nodes.clear()
-    place, apart, fall, ramp, glow, out = (
+    place, apart, fall, ramp, glow, away, far, mix = (
         tree.nodes.new(f"ShaderNode{kind}")
         for kind in ("NewGeometry", "VectorMath", "MapRange", "ValToRGB", "Emission",
-                     "OutputMaterial")
+                     "VectorMath", "MapRange", "MixShader")
     )  # fmt: skip
-    apart.operation = "DISTANCE"
-    apart.inputs[1].default_value = middle
+    apart.operation = away.operation = "DISTANCE"
+    apart.inputs[1].default_value, away.inputs[1].default_value = middle, ground
     fall.inputs["From Max"].default_value = width
+    far.interpolation_type = "SMOOTHSTEP"
+    far.inputs["From Min"].default_value, far.inputs["From Max"].default_value = fade
     colours = ramp.color_ramp
     colours.interpolation = "EASE"
     colours.elements[0].color = (0.060, 0.066, 0.078, 1)
     colours.elements[1].color = (0.003, 0.0033, 0.0045, 1)
     colours.elements[1].position = 0.75
+    out = tree.nodes["Material Output"]
     tree.links.new(place.outputs["Position"], apart.inputs[0])
+    tree.links.new(place.outputs["Position"], away.inputs[0])
     tree.links.new(apart.outputs["Value"], fall.inputs["Value"])
     tree.links.new(fall.outputs["Result"], ramp.inputs["Fac"])
     tree.links.new(ramp.outputs["Color"], glow.inputs["Color"])
-    tree.links.new(glow.outputs[0], out.inputs["Surface"])
+    tree.links.new(away.outputs["Value"], far.inputs["Value"])
+    tree.links.new(far.outputs["Result"], mix.inputs["Fac"])
+    tree.links.new(tree.nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    tree.links.new(glow.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], out.inputs["Surface"])
     return surface
 
 

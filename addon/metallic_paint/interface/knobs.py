@@ -131,11 +131,22 @@ def draw_socket(
     row = layout.row()
     row.enabled = node.id_data.is_editable and not socket.is_linked
     if label in _CHOICE_OF:
-        row.prop(node, _CHOICE_OF[label], text=text or label)
+        _draw_choice(row, node, _CHOICE_OF[label], text or label)
     elif socket.type == "VECTOR":
         row.column(align=True).prop(socket, "default_value", text=text or label)
     else:
         row.prop(socket, "default_value", text=text or label)
+
+
+def _draw_choice(
+    row: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup, choice: str, text: str
+) -> None:
+    if row.use_property_split:
+        row.prop(node, choice, text=text)
+    else:  # in a narrow panel Blender would cut the label: it gets as much as its letters need
+        split = row.split(factor=0.1 + 0.03 * len(text))
+        split.label(text=f"{text}:")
+        split.prop(node, choice, text="")
 
 
 def draw_first(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> str:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import bpy
 
 from .. import ADD_ON
+from ..paint import shader
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-FOLDER = Path(__file__).resolve().parent.parent / "assets"
+FOLDER = shader.LIBRARY.parent
 NAME = "Metallic Paint"
 
 

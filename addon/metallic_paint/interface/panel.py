@@ -41,6 +41,8 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: IconItems = "NONE") 
             icon = "BLANK1" if icon != "NONE" else icon
 
 
+_PREVIEWED = "A preview: the sparkles themselves show in Rendered view."
+
 _LINKED = (
     "The paints are linked from {}: they cannot be edited, and do not see the lights of this file "
     "as none is an asset there. Mark one as an asset in that file and save it, or append them."
@@ -79,7 +81,7 @@ class _PaintPanel:
             if material.has_osl():
                 box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
         elif operators.paint_node(context) is not None and not _shows_in(context.screen):
-            draw_lines(layout, "A preview without sparkles: they show in Rendered view.", "INFO")
+            draw_lines(layout, _PREVIEWED, "INFO")
         if migration.has_outdated():
             box = layout.box()
             draw_lines(box, "This file holds paints of an older version.", "INFO")

@@ -77,10 +77,13 @@ def _shipped() -> dict[str, Paint]:
 
 @functools.cache  # Blender keeps no strings of its own
 def _items() -> list[Any]:  # the stubs know icons by their names alone
-    """The values as they are, which is no choice, and the presets."""
+    """The presets, and the values as they are, which is no choice.
+
+    Blender shows eight in a row: the last row, below which a low window ends, has these alone.
+    """
     names = enumerate(_shipped(), 1)
     choices = [(name, operators.title(name), "", swatch(name), number) for number, name in names]
-    return [("own", "Own Values", "What the paint is now", "MATERIAL", 0), *choices]
+    return [*choices, ("own", "Own Values", "What the paint is now", "MATERIAL", 0)]
 
 
 def _chosen(node: bpy.types.ShaderNodeGroup) -> int:

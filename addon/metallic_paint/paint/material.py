@@ -44,7 +44,7 @@ NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
-_PREVIEW = "a preview without sparkles"
+_PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 WITHIN_GROUP = "The paint stands within a node group"
 LINKED = "The {} is linked from another file and cannot be changed"
@@ -86,7 +86,6 @@ _GEOMETRY_DESCRIPTIONS = {
     REST_POSITION: "Place in the object's own space before anything deforms it, where the flakes "
     "lie: for a mesh that deforms, the attribute rest_position",
 }
-_SHUT = (SECOND, THIRD)  # panels that start closed
 
 _EXTRAS = {
     "Frame": _Extra(
@@ -388,6 +387,8 @@ def node_group() -> bpy.types.ShaderNodeTree:
     text = shader.source()
     if own := _own_group((VERSION, digest(text))):
         return own
+    if not has_osl():
+        return _from_library()
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     try:
         script = _script_node(group, text)
@@ -396,6 +397,16 @@ def node_group() -> bpy.types.ShaderNodeTree:
         bpy.data.node_groups.remove(group)
         raise
     mark(group, text)
+    return group
+
+
+def _from_library() -> bpy.types.ShaderNodeTree:
+    """The group with the shader as another Blender has compiled it: this one has no compiler."""
+    if not shader.LIBRARY.is_file():
+        raise shader.CompileError(NO_OSL)
+    with bpy.data.libraries.load(str(shader.LIBRARY), link=False) as (_, into):
+        into.node_groups = [NAME]
+    [group] = into.node_groups
     return group
 
 
@@ -441,9 +452,10 @@ def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) 
     script_inputs = {socket.identifier: socket for socket in script.inputs}
 
     group.interface.new_socket(OUTPUT, in_out="OUTPUT", socket_type="NodeSocketShader")
+    # Closed: Blender's own Surface panel shows them too, with numbers for choices and names cut.
     panels = {
         name: group.interface.new_panel(
-            name, description=_PANEL_DESCRIPTIONS[name], default_closed=name in _SHUT
+            name, description=_PANEL_DESCRIPTIONS[name], default_closed=True
         )
         for name in PANELS
     }

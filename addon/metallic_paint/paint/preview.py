@@ -4,7 +4,8 @@
 The shader's output Rendered is 1 where it runs and 0 where none does. It mixes the shader with a
 preview of ordinary nodes, in the same group and of the same sockets. That is the paint's mean by
 the angle of view: the coat's highlight, a rough reflection of the flakes, and what leaves the paint
-after several turns as a matt ground. Sparkles are left out.
+after several turns as a matt ground. Of the sparkles there is a hint: the flakes' reflection is
+brighter or darker from cell to cell of the surface, around the same mean.
 
 Where the shader runs, OSL knows Rendered for 1 and drops the preview.
 """
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..scene import lights
 from . import coatings
 from .parameters import PARAMETERS
 
@@ -29,6 +31,12 @@ _RAYLEIGH = 16.7551608  # core/layer.h
 # tilted flakes lie about the critical angle, how far the ways there and back lie apart, and what
 # the long tail of GGX adds to the square of a slope.
 _OUTWARDS, _FLANK, _APART, _GGX_TAIL = 0.9, 1.3, 1.5, 2.0
+
+# Of the glitter. Nodes do not know how wide a pixel is: that of a lens of 50 mm and 1920 pixels.
+_PIXEL = 36 / 50 / 1920
+_LAMP = 1e-5  # square of half the angle, within the binder, at which a usual lamp is seen
+_MOST_VARIANCE = 3.0  # of a cell's brightness, whose mean is 1
+_TURNS = 20.0  # a cell flashes anew when the view turns by so many parts of a radian
 
 
 class Value:
@@ -152,7 +160,8 @@ def mix_with(
 ) -> bpy.types.NodeSocket:
     """The shader where it runs, elsewhere the preview, whose nodes this adds to the group."""
     there = list(group.nodes)
-    previewed = _preview(_Sockets(inside))
+    [scale] = script.inputs[lights.METERS_PER_UNIT].links
+    previewed = _preview(_Sockets(inside), Value(scale.from_socket))
     frame = group.nodes.new("NodeFrame")
     frame.label = LABEL
     for number, node in enumerate([each for each in group.nodes if each not in there]):
@@ -188,7 +197,7 @@ class _Sockets:
         return (given + otherwise * (1.0 - is_given)).unit()
 
 
-def _preview(sockets: _Sockets) -> bpy.types.NodeSocket:
+def _preview(sockets: _Sockets, meters_per_unit: Value) -> bpy.types.NodeSocket:
     """The shader of flakes, ground and coat."""
     geometry = sockets.inside.id_data.nodes.new("ShaderNodeNewGeometry")
     normal = sockets.direction("Normal", Value(geometry.outputs["Normal"]))
@@ -210,22 +219,27 @@ def _preview(sockets: _Sockets) -> bpy.types.NodeSocket:
     # A facet of the surface must turn eta times as far as a flake below it. Blender's roughness is
     # the root of alpha.
     wide = (eta * eta * (flakes.slope2 + flakes.blur2)).power(0.25).least(1.0)
+    glitter = _glitter(sockets, flakes, Value(geometry.outputs["Incoming"]), meters_per_unit)
     return _add(
-        _glossy(glossy * entered, normal, wide),
+        _glossy(glossy * entered, normal, wide, cos_view, glitter),
         _lobe("ShaderNodeBsdfDiffuse", (matt * entered).cut(), normal),
-        _glossy(reflected, coat_normal, roughness),
+        _glossy(reflected, coat_normal, roughness, cos_view),
     )
 
 
-def _glossy(albedo: Value, normal: Value, roughness: Value) -> bpy.types.NodeSocket:
-    # Facets meet light several times, each time with their colour c: of the share E that leaves the
-    # first one, the albedo is c E/(1 - c (1 - E)). E of GGX, measured in Cycles: within 0.03 up to
-    # alpha 0.7.
-    square = roughness * roughness
-    first = 1.0 / (1.0 + 1.8 * square * square)
-    return _lobe(
-        "ShaderNodeBsdfGlossy", albedo / (first + albedo * (1.0 - first)), normal, roughness
-    )
+def _glossy(
+    albedo: Value, normal: Value, roughness: Value, cos_view: Value,
+    brightness: Value | float = 1.0,
+) -> bpy.types.NodeSocket:  # fmt: skip
+    # Of light that meets facets once, so that it is in proportion to the colour. The share of it
+    # that leaves GGX is 1/(1 + lost), fitted to its integral: within 7 %, face on 3 %.
+    alpha = roughness * roughness
+    aslant = 1.077 * (1.0 - cos_view)
+    lost = alpha * (aslant + alpha * (3.256 * cos_view - 1.713 + 0.803 * alpha))
+    color = albedo * (1.0 + lost) * brightness
+    lobe = _lobe("ShaderNodeBsdfGlossy", color, normal, roughness)
+    lobe.node.distribution = "GGX"
+    return lobe
 
 
 def _lobe(
@@ -288,6 +302,43 @@ def _flakes(sockets: _Sockets, eta: Value) -> _Flakes:
         blur2=coverage.dot(0.25 * (wave * wave + edge * edge)) / covered,
         diameter=coverage.dot(diameter) / covered,
     )
+
+
+# --- glitter ---------------------------------------------------------------------------------
+
+
+def _glitter(sockets: _Sockets, flakes: _Flakes, incoming: Value, meters_per_unit: Value) -> Value:
+    """What the flakes' reflection is multiplied by in a cell of the surface: 1 in the mean.
+
+    Cells are as wide as flakes lie apart, or twice, four times... as wide: at least two pixels. Of
+    the n flakes in a cell, n q mirror a lamp, so its light varies by 1/(n q) about its mean.
+    """
+    nodes = sockets.inside.id_data.nodes
+    place = Value(nodes.new("ShaderNodeTexCoord").outputs["Object"])
+    turned = nodes.new("ShaderNodeVectorTransform")
+    turned.vector_type, turned.convert_from, turned.convert_to = "VECTOR", "OBJECT", "WORLD"
+    turned.inputs[0].default_value = (0.57735027,) * 3
+    size = Value(turned.outputs[0])  # of the object: how long a unit of it is
+    meters = size.dot(size).root() * meters_per_unit
+    distance = Value(nodes.new("ShaderNodeCameraData").outputs["View Distance"]) * meters_per_unit
+    apart = 1e-3 / sockets.of_species("flakes_per_mm2").dot(1.0).most(1e-6).root()
+    pixels = (2 * _PIXEL * distance / apart).most(1.0)
+    wide = _arithmetic("POWER", 2.0, _arithmetic("LOGARITHM", pixels, 2.0).function("CEIL"))
+
+    cells = nodes.new("ShaderNodeTexVoronoi")
+    cells.inputs["Scale"].default_value = 1
+    _fill(cells.inputs["Vector"], place * (meters / (apart * wide)))
+    cell = Value(cells.outputs["Color"])
+    noise = nodes.new("ShaderNodeTexWhiteNoise")
+    _fill(noise.inputs["Vector"], cell + _arithmetic("FLOOR", cell + _TURNS * incoming))
+    u = Value(noise.outputs["Value"])
+
+    # (1 + k) u^k has the mean 1 and the variance k^2/(1 + 2 k).
+    mirrored = wide * wide * (flakes.blur2 + _LAMP) / flakes.slope2.most(1e-9)
+    contrast = sockets["sparkle_contrast"].cut()
+    variance = contrast * contrast * (1.0 / mirrored).least(_MOST_VARIANCE)
+    k = variance + (variance * variance + variance).root()
+    return (1.0 + k) * _arithmetic("POWER", u, k)
 
 
 def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Value]]:
