@@ -131,6 +131,11 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
     return nothing_expected(flakes);
   float probability = flake_probability(flakes.orientation, layer.radiometry, way.mirror.sin2_half_beta,
                                         quarter_cone(inside, way));
+  if (way.outline.given) {
+    float factor = outline_factor(flakes.orientation, way.outline, way.mirror.sin2_half_beta,
+                                  quarter_cone(way.outline.inside, way));
+    probability = min(probability * factor, 1.0);
+  }
   return expect_sparkles(layer, flakes, library, pixel_area, way, inside, probability);
 }
 

@@ -6,6 +6,7 @@
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
+#include "outline.h"
 #include "own_space.h"
 #include "refraction.h"
 
@@ -30,11 +31,13 @@ struct Passage {
   float cos_exit;
   float breadth;
   float apart;
+  Outline outline;
   color slant;
   color shared;
 };
 
-Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light)
+// `flat`: whether any listed light is.
+Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light, int flat)
 {
   Passage way;
   way.open = 0;
@@ -47,6 +50,7 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   way.breadth = light.breadth;
   way.apart = light.apart;
   way.mirror.possible = 0;
+  way.outline.given = 0;
   if (!light.visible || !(surface.footprint > 0.0))
     return way;
   float eta = layer.eta;
@@ -65,6 +69,8 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
     outside = M_PI * squared_angle(light.sin2_half_radius);
   way.ratio = solid_angle_ratio(way.mirror.cos_light, way.mirror.g_light, eta);
   way.inside = outside * way.ratio;
+  if (flat && light.radius > 0.0 && layer.radiometry == RADIOMETRY_EXACT)
+    way.outline = outline_of(light, way.mirror, way.inside, surface.n, surface.view, eta);
   if (layer.haze > 0.0)
     way.inside = way.inside + layer.haze * (solid_angle_of_facets(way.mirror.cos_view, way.mirror.g_view, eta) +
                                             solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));

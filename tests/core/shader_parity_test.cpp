@@ -360,7 +360,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
 
     const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
     const auto shader_way =
-        osl::pass_between(shader_layer, shader_flakes, library, surface, seen[at]);
+        osl::pass_between(shader_layer, shader_flakes, library, surface, seen[at], 1);
     const Passage<float> way = pass_between(layer, point, core_seen);
     same("open", shader_way.open, way.open);
     if (way.open) {
