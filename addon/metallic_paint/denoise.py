@@ -106,7 +106,8 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
     """
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
-    slots = tuple(dict.fromkeys(needs.fit(scene).lights.slots))  # one may be there many times
+    found = needs.fit(scene).lights
+    slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
     if is_set_up(scene):
         remove(scene)
     layer = _layer(scene)
@@ -125,6 +126,11 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         _change_back(scene, was)
         raise
     scene[_MARK] = was
+    if found.sky:
+        changed.append(
+            f"Sparkles of {found.sky} are denoised: the world has one light group for all its "
+            "light. A Sun lamp in its place keeps them."
+        )
     return changed
 
 

@@ -12,6 +12,7 @@ from mathutils import Euler
 from metallic_paint import denoise, verify
 from metallic_paint.paint import Paint, material
 from metallic_paint.scene import carrier, lights, needs, placed
+from metallic_paint.scene.report import report
 from metallic_paint.verify.job import run
 from scenery import add_lamp, show_as_instance
 
@@ -195,6 +196,9 @@ def test_instances_that_no_driver_follows_sparkle_where_they_are(way: Way, kind:
     found = needs.fit(scene)
     assert all(each.instancer == thing and not each.followed for each in found.lights.placed)
     assert str(found).count("a render without the add-on") == len(found.lights.placed)
+    told = [text for _, text in report(scene) if "No driver follows" in text]
+    assert told == [f"No driver follows {found.lights.placed[0].name}: a render without the add-on "
+                    "has its sparkles as now."]  # fmt: skip
     before = carrier.values()
     thing.location.x += 0.2
     scene.frame_set(scene.frame_current + 1)

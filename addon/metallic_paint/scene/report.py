@@ -48,6 +48,10 @@ def report(scene: bpy.types.Scene) -> list[Line]:
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
     lines += [(WARNING, text) for text in reach.dark(fitted.lights.slots)]
+    lines += [
+        (INFO, f"No driver follows {name}: a render without the add-on has its sparkles as now.")
+        for name in dict.fromkeys(each.name for each in fitted.lights.placed if not each.followed)
+    ]
     layers = lights.used_layers(scene)
     lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
     shown = {thing: layer for layer in layers for thing in placed.rendered(layer)}
