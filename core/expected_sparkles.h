@@ -145,9 +145,15 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
                                     const Passage<T>& way) {
   const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
   if (!(inside > 0)) return {};
-  const auto probability = static_cast<T>(flake_probability(
-      flakes.orientation, layer.radiometry, way.mirror.sin2_half_beta, quarter_cone(inside, way)));
-  return expect_sparkles(layer, flakes, pixel_area, way, inside, probability);
+  Wide<T> probability = flake_probability(flakes.orientation, layer.radiometry,
+                                          way.mirror.sin2_half_beta, quarter_cone(inside, way));
+  if (way.outline.given) {
+    const Wide<T> factor =
+        outline_factor(flakes.orientation, way.outline, way.mirror.sin2_half_beta,
+                       quarter_cone(way.outline.inside, way));
+    probability = min(probability * factor, Wide<T>(1));
+  }
+  return expect_sparkles(layer, flakes, pixel_area, way, inside, static_cast<T>(probability));
 }
 
 // Of one species, in one call.

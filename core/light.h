@@ -32,9 +32,11 @@ struct SeenLight {
   Vec3<Wide<T>> direction;   // unit
   Wide<T> sin2_half_radius;  // h
   bool visible = false;
-  T reach{};    // half-angle of the cone about the direction that holds all of it
-  T breadth{};  // sine of that half-angle of a light that melts into the mean
-  T apart = 1;  // 0: where another light is so near that it has melted
+  T reach{};               // half-angle of the cone about the direction that holds all of it
+  T breadth{};             // sine of that half-angle of a light that melts into the mean
+  T apart = 1;             // 0: where another light is so near that it has melted
+  Vec3<Wide<T>> facing{};  // unit normal of a flat light
+  Wide<T> radius{};        // of the disc of its area, in distances; 0: no flat light
 };
 
 // Two listed lights closer together than this (plus their radii) are one to the shader: Cycles'
@@ -113,6 +115,8 @@ SeenLight<T> see_light(const Light<T>& light, Vec3<T> position) {
     const W radius = light.size / distance;
     sine = sqrt(sin2_of_flat_light(radius * radius, min(cosine, W(1))));
     seen.breadth = static_cast<T>(reach);
+    seen.facing = facing / extent;
+    seen.radius = radius;
   }
   seen.visible = true;
   seen.sin2_half_radius = sin2_half_of(sine);

@@ -11,6 +11,7 @@
 #include "layer.h"
 #include "light.h"
 #include "orange_peel.h"
+#include "outline.h"
 #include "own_space.h"
 #include "refraction.h"
 #include "vector.h"
@@ -56,6 +57,7 @@ struct Passage {
   Wide<T> surface{};       // transmittance of the surface, in and out
   T cos_exit{};            // cosine of the exit by which flakes cover the pixel
   T breadth{}, apart = 1;  // of the light
+  Outline<T> outline{};    // of one that is flat
   Rgb<T> slant{};          // optical depth of the layer, there and back: t H
   Rgb<T> shared{};         // what that lacks of the sum of both ways'
 };
@@ -97,6 +99,10 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
     way.ratio = solid_angle_ratio(cosine, g, eta);
   }
   way.inside = outside * way.ratio;
+  if (!published && !point.bends) {
+    way.outline =
+        outline_of(light, way.mirror, way.inside, Vec3<W>(point.normal), Vec3<W>(point.view), eta);
+  }
   if (layer.haze > 0) {
     way.inside =
         way.inside +

@@ -124,13 +124,19 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   return expected;
 }
 
-ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], float pixel_area, Passage way)
+// `flat`: whether any listed light is.
+ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], float pixel_area, Passage way, int flat)
 {
   float inside = way.open ? cone_in_binder(flakes, way) : 0.0;
   if (!(inside > 0.0))
     return nothing_expected(flakes);
   float probability = flake_probability(flakes.orientation, layer.radiometry, way.mirror.sin2_half_beta,
                                         quarter_cone(inside, way));
+  if (flat && way.outline.given) {
+    float factor = outline_factor(flakes.orientation, way.outline, way.mirror.sin2_half_beta,
+                                  quarter_cone(way.outline.inside, way));
+    probability = min(probability * factor, 1.0);
+  }
   return expect_sparkles(layer, flakes, library, pixel_area, way, inside, probability);
 }
 

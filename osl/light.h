@@ -23,6 +23,8 @@ struct SeenLight {
   float reach;
   float breadth;
   float apart;
+  vector facing;
+  float radius;
   int own_cone;  // the light and what lies about it share one cone, which all other light leaves out
 };
 
@@ -56,6 +58,8 @@ SeenLight see_light(int kind, vector where, float size, vector facing, point pos
   seen.reach = 0.0;
   seen.breadth = 0.0;
   seen.apart = 1.0;
+  seen.facing = vector(0.0);
+  seen.radius = 0.0;
   seen.own_cone = kind == LIGHT_AREA || kind == LIGHT_SKY;
   if (kind == LIGHT_UNUSED)
     return seen;
@@ -84,6 +88,8 @@ SeenLight see_light(int kind, vector where, float size, vector facing, point pos
     float radius = size / distance;
     sine = sqrt(sin2_of_flat_light(radius * radius, min(cosine, 1.0)));
     seen.breadth = reach;
+    seen.facing = facing / extent;
+    seen.radius = radius;
   }
   seen.visible = 1;
   seen.sin2_half_radius = sin2_half_of(sine);

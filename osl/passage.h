@@ -7,6 +7,7 @@
 #include "layer.h"
 #include "light.h"
 #include "orange_peel.h"
+#include "outline.h"
 #include "own_space.h"
 #include "refraction.h"
 
@@ -34,11 +35,13 @@ struct Passage {
   float cos_exit;
   float breadth;
   float apart;
+  Outline outline;
   color slant;
   color shared;
 };
 
-Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light)
+// `flat`: whether any listed light is.
+Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light, int flat)
 {
   Passage way;
   way.open = 0;
@@ -51,6 +54,7 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   way.breadth = light.breadth;
   way.apart = light.apart;
   way.mirror.possible = 0;
+  way.outline.given = 0;
   if (!light.visible || !(surface.footprint > 0.0))
     return way;
   float eta = layer.eta;
@@ -80,6 +84,8 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
     way.ratio = solid_angle_ratio(cosine, g, eta);
   }
   way.inside = outside * way.ratio;
+  if (flat && light.radius > 0.0 && layer.radiometry == RADIOMETRY_EXACT && !surface.bends)
+    way.outline = outline_of(light, way.mirror, way.inside, surface.n, surface.view, eta);
   if (layer.haze > 0.0)
     way.inside = way.inside + layer.haze * (solid_angle_of_facets(way.mirror.cos_view, way.mirror.g_view, eta) +
                                             solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));

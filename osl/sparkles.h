@@ -35,7 +35,7 @@ void find_cells(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, First
 
 // `blurred`, or without contrast: the mean, and nothing is drawn. mean_radiance is found where it is asked for.
 PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
-                      FirstFlake firsts[SPECIES], Cell cells[SPECIES], Passage way, int light, int frame, int seed,
+                      FirstFlake firsts[SPECIES], Cell cells[SPECIES], Passage way, int flat, int light, int frame, int seed,
                       int blurred, int asked_mean, int shown)
 {
   PixelSparkles all;
@@ -63,7 +63,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
       area = cell.area;
       key = about_normal(cell.key, own_direction(surface.own, way.mirror.flake_normal), cone);
     }
-    ExpectedSparkles expected = expect_sparkles(layer, some, library, area, way);
+    ExpectedSparkles expected = expect_sparkles(layer, some, library, area, way, flat);
     color mean = color(0.0);
     if (only_mean || asked_mean || (first.close && layer.sparkle_contrast < 1.0))
       mean = mean_radiance(expected);

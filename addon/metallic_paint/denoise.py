@@ -106,7 +106,8 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
     """
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
-    slots = needs.fit(scene).lights.slots
+    found = needs.fit(scene).lights
+    slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
     if is_set_up(scene):
         remove(scene)
     layer = _layer(scene)
@@ -125,6 +126,11 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         _change_back(scene, was)
         raise
     scene[_MARK] = was
+    if found.sky:
+        changed.append(
+            f"Sparkles of {found.sky} are denoised: the world has one light group for all its "
+            "light. A Sun lamp in its place keeps them."
+        )
     return changed
 
 
@@ -210,7 +216,9 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
         layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
         if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
             layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
-    for lamp in [thing for thing in scene.objects if _MARK in thing]:
+    for lamp in [thing for thing in bpy.data.objects if _MARK in thing]:
+        if lamp.users_scene and scene not in lamp.users_scene:
+            continue  # of another scene; one that is shown as instances alone is of none
         if any(is_set_up(other) for other in lamp.users_scene if other != scene):
             continue  # a copy of this scene denoises by it
         if lamp.lightgroup == LIGHT_GROUP:

@@ -3,9 +3,10 @@
 
 Usage: python count_programs.py FILE.blend OUT, in an empty folder of its own and with
 OSL_OPTIONS=llvm_output_bitcode=1, by which OSL writes each program that it compiles into the
-folder. Renders the file as it is, after the lamp Lamp moved and grew, at the next frame, and after
-a step of the paint's slider; prints the number of programs of each, and writes OUT-moved.exr,
-OUT-next.exr and so on, and beside them the files as they were then.
+folder. Renders the file as it is, after the lamp Lamp moved and grew and the empty Instancer, which
+shows another, moved, at the next frame, and after a step of the paint's slider; prints the number
+of programs of each, and writes OUT-moved.exr, OUT-next.exr and so on, and beside them the files as
+they were then.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ counts = [programs()]
 lamp = bpy.data.objects["Lamp"]
 lamp.location.x += 0.1
 lamp.data.shadow_soft_size *= 2
+bpy.data.objects["Instancer"].location.x += 0.1
 scene.render.filepath = f"{out}-moved.exr"
 counts.append(programs())
 bpy.ops.wm.save_as_mainfile(filepath=f"{out}-moved.blend", copy=True)

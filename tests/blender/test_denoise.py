@@ -26,6 +26,7 @@ from metallic_paint.scene.report import report
 from metallic_paint.verify import diagnostics
 from recording import drawn
 from scenery import add_lamp, link_namesake, show_as_instance
+from verification import scenes
 
 SIZE = 80
 SAMPLES, REFERENCE_SAMPLES = 32, 512
@@ -437,3 +438,12 @@ def test_registering_twice_is_possible(registered: None) -> None:
     interface.unregister()
     interface.register()
     assert hasattr(bpy.types, "MATERIAL_PT_metallic_paint_denoise")
+
+
+def test_the_sun_of_a_world_is_told_of() -> None:
+    scene = build()
+    scenes.sky(50, 110)(scene)
+    said = "\n".join(denoise.set_up(scene))
+    assert "Sparkles of the sun of World are denoised" in said
+    scene.world.node_tree.nodes["Sky Texture"].sun_disc = False
+    assert "Sparkles of the sun" not in "\n".join(denoise.set_up(scene))

@@ -16,7 +16,7 @@ import pytest
 from metallic_paint import verify
 from metallic_paint.paint import material, presets
 from metallic_paint.scene import needs
-from scenery import add_lamp
+from scenery import add_lamp, show_as_instance
 
 SCRIPT = Path(__file__).with_name("count_programs.py")
 SECONDS = 120
@@ -24,7 +24,7 @@ SECONDS = 120
 
 @pytest.fixture
 def blend(tmp_path: Path) -> Path:
-    """A painted ball under a sun that is animated, with its strength, and the lamp Lamp."""
+    """A painted ball under an animated sun, the lamp Lamp, and one that an empty shows."""
     scene = bpy.context.scene
     material.set_up_cycles(scene)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.02)
@@ -38,6 +38,9 @@ def blend(tmp_path: Path) -> Path:
         sun.data.keyframe_insert("energy", frame=frame)
         sun.data.keyframe_insert("angle", frame=frame)
     add_lamp("POINT", "Lamp", energy=6, shadow_soft_size=0.01, location=(0.4, 0.2, 0.5))
+    show_as_instance(
+        add_lamp("POINT", "Shown", energy=6, shadow_soft_size=0.01, location=(-0.4, 0.2, 0.5))
+    )
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.location.z = 1
     camera.data.type, camera.data.ortho_scale = "ORTHO", 0.05

@@ -173,8 +173,8 @@ def test_lights_beyond_the_slots_light_the_mean(ball: object) -> None:
     assert "16 lights: 8 sparkle, 8 light the mean." in str(found)
 
 
-def test_an_instanced_light_lights_the_mean(ball: object) -> None:
-    show_as_instance(add_lamp("POINT", "Lamp", location=(0, 0, 5)))
+def test_an_instanced_light_without_a_slot_lights_the_mean(ball: object) -> None:
+    show_as_instance(add_lamp("AREA", "Lamp", location=(0, 0, 5), spread=1))
     found = fit()
     assert "lights without a slot" in found.other_light
     assert "No sparkles are computed: none of these lights has a slot." in str(found)

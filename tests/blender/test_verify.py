@@ -38,7 +38,7 @@ def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
     paint = core_paint(spec.paint)
     in_use = [i for i, f in enumerate(spec.paint.species) if f.flakes_per_mm2 > 0]
     predicted = [verify.predict(paint, slots, geometry, "float", i) for i in in_use]
-    lamp = lights.fill(scene).slots[0]
+    lit = next(iter(lights.fill(scene).slots), scene.world)
     assert geometry.hit.mean() > 0.1
     comparison = verify.compare(
         paint,
@@ -48,8 +48,8 @@ def test_pixels_are_those_of_the_core(spec: scenes.Scene) -> None:
         leader=0,
         counts=[probe.image(verify.COUNT, 0, i)[..., 0] for i in in_use],
         cone=probe.image(verify.CONE)[..., 0],
-        picture=probe.lit_by([lamp], verify.SPARKLES),
-        irradiance=probe.lit_by([lamp], verify.IRRADIANCE),
+        picture=probe.lit_by([lit], verify.SPARKLES),
+        irradiance=probe.lit_by([lit], verify.IRRADIANCE),
     )
     assert comparison.same_count == comparison.pixels
     assert comparison.radiance_error.size > 0

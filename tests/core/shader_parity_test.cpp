@@ -376,7 +376,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
 
     const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
     const auto shader_way =
-        osl::pass_between(shader_layer, shader_flakes, library, surface, seen[at]);
+        osl::pass_between(shader_layer, shader_flakes, library, surface, seen[at], 1);
     const Passage<float> way = pass_between(layer, point, core_seen);
     same("open", shader_way.open, way.open);
     if (way.open) {
@@ -394,12 +394,12 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       if (paint.anchor == Anchor::pixel) {
         compare(same,
                 osl::expect_sparkles(shader_layer, shader_flakes[of], library, point.footprint,
-                                     shader_way),
+                                     shader_way, 1),
                 core_all.expected[of]);
       }
       const auto all =
           osl::sparkle(shader_layer, shader_flakes, library, surface, shader_firsts, cells,
-                       shader_way, slot[at], paint.frame, paint.seed, 0, 1, species);
+                       shader_way, 1, slot[at], paint.frame, paint.seed, 0, 1, species);
       same("count", all.count, core_all.count[of]);
       visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
       visits.summed += all.count > kDrawnSparkles;

@@ -13,7 +13,10 @@ from types import SimpleNamespace
 
 import addon_utils
 import bpy
+import numpy as np
+import OpenImageIO
 import pytest
+from mathutils import Matrix
 from package import NAME, Addon
 from recording import drawn
 
@@ -377,6 +380,54 @@ def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> set[str]:
     )
     monkeypatch.setattr(addon("scene.follow"), "bpy", SimpleNamespace(app=app, context=bpy.context))
     return running
+
+
+def test_an_instance_that_no_driver_follows_is_renewed_in_each_frame_of_a_render(
+    addon: Addon, painted: bpy.types.Object, tmp_path: Path
+) -> None:
+    """The frames of an animation are the pictures that are rendered there."""
+    scene = bpy.context.scene
+    mesh = bpy.data.meshes.new("Corners")
+    mesh.from_pydata([(0, 0, 0), (0.5, 0, 0)], [], [])
+    corners = bpy.data.objects.new("Corners", mesh)
+    scene.collection.objects.link(corners)
+    lamp = add("POINT", "Lamp")
+    lamp.parent, corners.instance_type, lamp.data.energy = corners, "VERTS", 500
+    for frame, x in ((1, -2.0), (2, 0.0)):
+        corners.location = (x, 0, 4)
+        corners.keyframe_insert("location", frame=frame)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 5
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    addon("paint.material").set_up_cycles(scene)
+    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    scene.render.resolution_x = scene.render.resolution_y = 32
+    addon("verify.probe").write_floats(scene, "OPEN_EXR")
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.frame_set(1)
+    update()
+    carrier, probe = addon("scene.carrier"), addon("verify.probe")
+    assert len(carrier.not_followed()) == 2
+    scene.render.filepath = str(tmp_path / "frame")
+    bpy.ops.render.render(animation=True)
+    film = [read(tmp_path / f"frame{frame:04}.exr") for frame in (1, 2)]
+    for frame in (1, 2):
+        scene.frame_set(frame)
+        assert carrier.values()[0][1].x == pytest.approx((-2, 0)[frame - 1])
+        np.testing.assert_array_equal(probe.render(scene)[::-1], film[frame - 1])
+    values = carrier.values()
+    carrier.renew(1, placed_at(addon, lamp, corners, -2))
+    assert carrier.values() != values
+    assert (probe.render(scene)[::-1] != film[1]).any()  # or the place would not matter
+
+
+def placed_at(addon: Addon, lamp: bpy.types.Object, corners: bpy.types.Object, x: float) -> object:
+    return addon("scene.placed").Placed(lamp, Matrix.Translation((x, 0, 4)), corners, (0,), False)
+
+
+def read(file: Path) -> np.ndarray:
+    return OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.FLOAT)[..., :3]
 
 
 def test_with_a_window_the_timer_fits_once_the_scene_rests(

@@ -38,7 +38,7 @@ class Scene:
     """What a scene shows. Distances are in metres; the camera looks at the origin."""
 
     name: str
-    lamps: tuple[Callable[[bpy.types.Scene], bpy.types.Object], ...]
+    lamps: tuple[Callable[[bpy.types.Scene], bpy.types.Object | bpy.types.World], ...]
     paint: Paint = SILVER
     shape: str = "plane"
     distance: float = 1.0  # of the camera
@@ -75,6 +75,43 @@ def lamp(
         if kind == "SPOT":
             data.spot_size, data.spot_blend = math.radians(30), 0.2
         return _place(scene, name, data, location, Vector(location))
+
+    return add
+
+
+def area(
+    name: str, shape: str, location: tuple, half: float, aspect: float = 1, turn: float = 0.3
+) -> Callable:
+    """An area light that is turned away from the origin a little.
+
+    Head on it would be seen there under that half-angle, in degrees, along its longer side.
+    """
+
+    def add(scene: bpy.types.Scene) -> bpy.types.Object:
+        data = bpy.data.lights.new(name, "AREA")
+        data.energy, data.shape = 20, shape
+        data.size = 2 * Vector(location).length * math.tan(math.radians(half))
+        data.size_y = data.size / aspect
+        lamp = _place(scene, name, data, location, Vector(location))
+        lamp.rotation_euler.rotate_axis("X", turn)
+        return lamp
+
+    return add
+
+
+def sky(elevation: float, azimuth: float, angle: float = 0.53) -> Callable:
+    """The world: a sky, whose sun stands there, of that angular diameter, in degrees."""
+
+    def add(scene: bpy.types.Scene) -> bpy.types.World:
+        scene.world = world = bpy.data.worlds.new("World")
+        if world.node_tree is None:
+            world.use_nodes = True  # Blender 4.5
+        tree = world.node_tree
+        node = tree.nodes.new("ShaderNodeTexSky")
+        node.sun_elevation, node.sun_size = math.radians(elevation), math.radians(angle)
+        node.sun_rotation = math.radians(90 - azimuth)
+        tree.links.new(node.outputs[0], tree.nodes["Background"].inputs["Color"])
+        return world
 
     return add
 
@@ -177,6 +214,21 @@ _SCENES = (
     Scene("instances that sparkle alike", (SUN,), shape="instances", scale=BALL, width=0.2,
           paint=dataclasses.replace(SILVER, instances="same"), seeds=4),
     Scene("bent, with a rest position", (SUN,), shape="bent", scale=BALL, width=0.08, seeds=8),
+    # Of 1, 5 and 15 degrees: sparkling, and partly melted or gone where the tilt is small.
+    Scene("a disk", (area("Disk", "DISK", (-0.2, 0.5, 0.7), 5),), width=0.4, seeds=2),
+    Scene("a small square, sphere", (area("Square", "SQUARE", (-0.5, 0.4, 0.9), 1),),
+          shape="sphere", scale=(0.15, 0.15, 0.15), width=0.3, seeds=2),
+    Scene("a wide disk over flakes of wide tilt", (area("Disk", "DISK", (-0.2, 0.5, 0.7), 15),),
+          width=0.5, paint=dataclasses.replace(CANDY, tilt=0.3), seeds=2),
+    Scene("a rectangle that melts", (area("Rectangle", "RECTANGLE", (-0.2, 0.5, 0.7), 12, 2),),
+          width=0.6, paint=dataclasses.replace(SILVER, tilt=0.06), seeds=2),
+    Scene("an ellipse near a sun", (area("Ellipse", "ELLIPSE", (-0.3, 0.5, 0.7), 8, 1.5),
+          sun("Sun", 45, 110, 0.53)), width=0.5, seeds=2),
+    Scene("a lamp that looks too wide", (area("Softbox", "SQUARE", (-0.2, 0.4, 0.6), 15),),
+          width=1.2, paint=dataclasses.replace(THREE, tilt=0.12), seeds=2),
+    Scene("a sky's sun", (sky(50, 110),), width=0.2, seeds=4),
+    Scene("a sky's sun, sphere, far", (sky(50, 110, 2),), shape="sphere", distance=100, width=16,
+          scale=(8, 8, 8), paint=CANDY, seeds=2),
 )  # fmt: skip
 # What the pixel anchor cannot show: it counts pixels of the picture, which these cameras bend.
 _PANORAMAS = (

@@ -93,7 +93,8 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
     probe.drive("Seed")
     geometry = probe.geometry()
     slots = core_lights()
-    lamps = lights.fill(scene).slots
+    found = lights.fill(scene)
+    lamps = (*found.slots, *([scene.world] if found.sky else []))
     label = f"{blender()}, {spec.name}"
     report = check_camera(label, scene, geometry) + check_passes(label, probe, geometry)
     report += check_mixture(label, spec, probe, geometry)
@@ -150,7 +151,7 @@ def check(spec: verify_scenes.Scene, out: Path) -> list[bars.Bar]:
 def check_irradiance(
     where: str,
     spec: verify_scenes.Scene,
-    lamp: bpy.types.Object,
+    lamp: bpy.types.Object | bpy.types.World,
     geometry: verify.Geometry,
     irradiance: np.ndarray,
     faces: np.ndarray,
@@ -158,13 +159,20 @@ def check_irradiance(
     """Lit cones of radiance 1 against the lamp's own irradiance, and that no pixel is missed."""
     found = irradiance[geometry.hit][faces].max(axis=-1)
     report = []
-    if spec.shape in ("plane", "sphere") and lamp.data.type != "SPOT":  # nothing shadows itself
+    kind = "WORLD" if isinstance(lamp, bpy.types.World) else lamp.data.type
+    if spec.shape in ("plane", "sphere") and kind != "SPOT":  # nothing shadows itself
         share = (found > 0).mean()
         report.append(bars.at_least(f"{where}: share of facing pixels that are lit", share, 0.99))
-    if lamp.data.type == "SUN":
+    if kind == "SUN":
         # Cycles gives each direction of the disc the same share; energy weighs them by the cosine.
         expected = np.full(len(found), lamp.data.energy * 2 / (1 + np.cos(lamp.data.angle / 2)))
-    elif lamp.data.type == "POINT" and lamp.data.shadow_soft_size == 0:
+    elif kind == "AREA":
+        # A sample of an ellipse tells no more of it than its place there: the mean over all pixels.
+        expected = area_irradiance(lamp, geometry.position[geometry.hit][faces])
+        error = abs(float(found.mean() / expected.mean()) - 1)
+        return [*report, bars.at_most(f"{where}: relative error of the mean irradiance", error,
+                                      1e-2)]  # fmt: skip
+    elif kind == "POINT" and lamp.data.shadow_soft_size == 0:
         away = geometry.position[geometry.hit][faces] - np.array(lamp.matrix_world.translation)
         expected = lamp.data.energy / (4 * np.pi * (away**2).sum(axis=-1))
     else:
@@ -175,7 +183,24 @@ def check_irradiance(
     return report
 
 
-def check_joint(label: str, probe: verify.Probe, lamps: tuple[bpy.types.Object, ...]) -> bars.Bar:
+def area_irradiance(lamp: bpy.types.Object, positions: np.ndarray) -> np.ndarray:
+    """Of an area light, on planes that face it: its radiance times its solid angle."""
+    data, steps = lamp.data, 24
+    middles = (np.arange(steps) + 0.5) / steps - 0.5
+    u, v = (each.ravel() for each in np.meshgrid(middles, middles))
+    inside = u * u + v * v <= 0.25 if data.shape in ("DISK", "ELLIPSE") else u == u
+    across = data.size, data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size
+    matrix = np.array(lamp.matrix_world, dtype=float)
+    local = np.stack([u * across[0], v * across[1], 0 * u], axis=-1)[inside]
+    off = (local @ matrix[:3, :3].T + matrix[:3, 3])[np.newaxis] - positions[:, np.newaxis]
+    squared = (off**2).sum(axis=-1)
+    facing = off @ matrix[:3, 2]  # the lit side is that of -z
+    return data.energy / np.pi * (facing / squared**1.5).mean(axis=-1)
+
+
+def check_joint(
+    label: str, probe: verify.Probe, lamps: tuple[bpy.types.Object | bpy.types.World, ...]
+) -> bars.Bar:
     """All lamps at once against the sum of the pictures of each: Cycles picks a lamp per sample."""
     probe.scene.cycles.samples = JOINT_SAMPLES
     total = sum(probe.lit_by([lamp], verify.SPARKLES) for lamp in lamps)

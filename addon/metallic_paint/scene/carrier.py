@@ -22,16 +22,22 @@ column for a position. Rotation channels (ROT_W ... ROT_Z) would point elsewhere
 parent that is mirrored or scaled along one axis. The radius of a point or spot light is that of its
 data: Cycles does not scale it with the object, but it does the sides of an area light, which lie
 along the first two columns.
+
+The matrix of a light that a collection instance shows is the product of two. Drivers write its rows
+into the datablock, and those of the light read them there.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import product
 
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
+
+from .placed import Placed
 
 NAME = ".Metallic Paint Lights"  # menus leave out what begins with a dot
 _MARK = "metallic_paint_carrier"
@@ -97,6 +103,16 @@ def _names(slot: int, kind: int) -> list[str]:
 
 def _facing_name(slot: int) -> str:
     return f"Light{slot}Facing"
+
+
+def _matrix_name(slot: int) -> str:
+    """Of an instance's matrix: three rows of four."""
+    return f"Light{slot}Matrix"
+
+
+def _instance_name(slot: int) -> str:
+    """Of what is told of an instance that no driver follows."""
+    return f"Light{slot}Instance"
 
 
 def all_of_file() -> list[bpy.types.NodeTree]:
@@ -165,9 +181,9 @@ def _own_scenes() -> list[bpy.types.Scene]:
 # --- its values --------------------------------------------------------------------------------
 
 
-def numbers_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, float, float]:
+def numbers_of(light: Placed) -> tuple[float, float, float, float]:
     """What a slot holds of a light that stands so: x, y, z and size."""
-    lamp = light.data
+    lamp, matrix = light.lamp.data, light.matrix
     if isinstance(lamp, bpy.types.SunLight):
         return (*matrix.col[2].xyz.normalized(), max(math.sin(lamp.angle / 2), _LEAST_SIZE))
     if isinstance(lamp, bpy.types.AreaLight):
@@ -178,9 +194,9 @@ def numbers_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, f
     return (*matrix.translation, max(size, _LEAST_SIZE))
 
 
-def facing_of(light: bpy.types.Object, matrix: Matrix) -> tuple[float, float, float]:
+def facing_of(light: Placed) -> tuple[float, float, float]:
     """What a slot holds besides of an area light; zeros for any other."""
-    lamp = light.data
+    lamp, matrix = light.lamp.data, light.matrix
     if not isinstance(lamp, bpy.types.AreaLight):
         return (0.0, 0.0, 0.0)
     u, v = _sides(lamp, matrix)
@@ -214,46 +230,84 @@ def values() -> list[tuple[int, Vector, float, Vector]]:
     return found
 
 
-def feed(lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]) -> None:
+def feed(lights: Sequence[Placed]) -> None:
     """The values of these lights, slot 1 first, and drivers that keep them so."""
     tree = only()
     for data_path, index in _driven(tree):
         tree.driver_remove(data_path, index)
     for name in {*tree.keys()} - {_MARK, _FRAME, _FILE, _GROUP}:
         del tree[name]
-    set_values(lights, matrices)
-    for (data_path, index), (expression, variables) in _channels(lights).items():
+    set_values(lights)
+    for slot, light in enumerate(lights, 1):
+        if not light.followed:
+            tree[_instance_name(slot)] = {
+                "lamp": light.lamp, "instancer": light.instancer, "number": [*light.number]
+            }  # fmt: skip
+    for (data_path, index), (expression, variables) in _channels(tree, lights).items():
         _drive(tree, data_path, index, expression, variables)
 
 
 _Channels = dict[tuple[str, int], tuple[str, dict[str, tuple[bpy.types.ID, str]]]]
 
 
-def _channels(lights: Sequence[bpy.types.Object]) -> _Channels:
+def _channels(tree: bpy.types.NodeTree, lights: Sequence[Placed]) -> _Channels:
     """The expression of each number, and of which variables."""
     found: _Channels = {}
     for slot, light in enumerate(lights, 1):
-        kind = KINDS[light.data.type]
-        if isinstance(light.data, bpy.types.AreaLight):
-            size, reach = _ROUND if _is_round(light.data) else _RECTANGULAR
+        lamp = light.lamp
+        kind = KINDS[lamp.data.type]
+        if not light.followed:
+            continue
+        if light.instancer is not None:
+            found |= _product(slot, light.instancer, lamp)
+
+        def column(
+            i: int, names: str, slot: int = slot, light: Placed = light
+        ) -> dict[str, tuple[bpy.types.ID, str]]:
+            if light.instancer is None:
+                return dict(_column(light.lamp, i, names))
+            return {
+                name: (tree, f'["{_matrix_name(slot)}"][{4 * row + i}]')
+                for row, name in enumerate(names)
+            }
+
+        if isinstance(lamp.data, bpy.types.AreaLight):
+            size, reach = _ROUND if _is_round(lamp.data) else _RECTANGULAR
             sides = {
-                **dict(_column(light, 0, "abc")), **dict(_column(light, 1, "def")),
-                "u": (light.data, "size"), "v": (light.data, _second_side(light.data)),
+                **column(0, "abc"), **column(1, "def"),
+                "u": (lamp.data, "size"), "v": (lamp.data, _second_side(lamp.data)),
             }  # fmt: skip
-            numbers = [(c, dict(_column(light, 3, "xyz"))) for c in "xyz"] + [(size, sides)]
+            numbers = [(c, column(3, "xyz")) for c in "xyz"] + [(size, sides)]
             facing_path = f'["{_facing_name(slot)}"]'
             for i, c in enumerate("xyz"):
-                found[facing_path, i] = (
-                    f"-{c}{_UNIT}*{reach}", {**dict(_column(light, 2, "xyz")), **sides},
-                )  # fmt: skip
+                found[facing_path, i] = (f"-{c}{_UNIT}*{reach}", {**column(2, "xyz"), **sides})
         else:
             *place, size = _EXPRESSIONS[kind]
-            column = dict(_column(light, 2 if kind == PARALLEL else 3, "xyz"))
+            where = column(2 if kind == PARALLEL else 3, "xyz")
             source = "angle" if kind == PARALLEL else "shadow_soft_size"
-            numbers = [(each, column) for each in place] + [(size, {"size": (light.data, source)})]
+            numbers = [(each, where) for each in place] + [(size, {"size": (lamp.data, source)})]
         for name in _names(slot, kind):
             for i, number in enumerate(numbers):
                 found[f'["{name}"]', i] = number
+    return found
+
+
+def _product(slot: int, instancer: bpy.types.Object, lamp: bpy.types.Object) -> _Channels:
+    """Of the matrix of a light that a collection instance shows, and that collection's offset."""
+    offset = {
+        name: (instancer.instance_collection, f"instance_offset[{i}]")
+        for i, name in enumerate("uvw")
+    }
+    found: _Channels = {}
+    for row, i in product(range(3), range(4)):
+        outer = {c: (instancer, f"matrix_world[{k}][{row}]") for k, c in enumerate("abcd")}
+        inner = dict(_column(lamp, i, "xyz"))
+        if i < 3:
+            del outer["d"]
+            number = "a*x+b*y+c*z", {**outer, **inner}
+        else:
+            number = "a*(x-u)+b*(y-v)+c*(z-w)+d", {**outer, **inner, **offset}
+        found[f'["{_matrix_name(slot)}"]', 4 * row + i] = number
     return found
 
 
@@ -264,17 +318,43 @@ def _column(
         yield name, (light, f"matrix_world[{column}][{i}]")
 
 
-def set_values(
-    lights: Sequence[bpy.types.Object], matrices: Mapping[bpy.types.Object, Matrix]
-) -> None:
+def set_values(lights: Sequence[Placed]) -> None:
     """At once, also where Blender does not evaluate the drivers because no object leads there."""
     tree = only()
     for slot, light in enumerate(lights, 1):
-        kind = KINDS[light.data.type]
+        kind = KINDS[light.lamp.data.type]
+        if light.followed and light.instancer is not None:
+            tree[_matrix_name(slot)] = [x for row in light.matrix[:3] for x in row]
         for name in _names(slot, kind):
-            tree[name] = numbers_of(light, matrices[light])
-        tree[_facing_name(slot)] = (*facing_of(light, matrices[light]), float(kind))
+            tree[name] = numbers_of(light)
+        tree[_facing_name(slot)] = (*facing_of(light), float(kind))
     tree.update_tag()
+
+
+def not_followed() -> dict[int, tuple[bpy.types.Object | None, bpy.types.Object | None, tuple]]:
+    """The slots of instances that no driver follows: the light, its instancer, and which it is."""
+    return {
+        slot: (who["lamp"], who["instancer"], tuple(who["number"]))
+        for tree in all_of_file()[:1]
+        for slot in range(1, SLOTS + 1)
+        if (who := tree.get(_instance_name(slot))) is not None
+    }
+
+
+def renew(slot: int, light: Placed) -> None:
+    """Where such a light is now; nothing is touched where it has not moved.
+
+    Numbers change where they stand: Blender may call from the thread that renders.
+    """
+    tree = only()
+    kind = KINDS[light.lamp.data.type]
+    new = {_facing_name(slot): (*facing_of(light), float(kind))}
+    new |= dict.fromkeys(_names(slot, kind), numbers_of(light))
+    for name, numbers in new.items():
+        for i, number in enumerate(numbers):
+            if tree[name][i] != number:
+                tree[name][i] = number
+                tree.update_tag()
 
 
 def set_sky(slot: int, numbers: tuple[float, float, float, float] | None) -> None:
@@ -327,16 +407,24 @@ def let_go() -> None:
     """The values stay, and follow nothing any more."""
     for tree in all_of_file():
         tree.animation_data_clear()
+        for slot in range(1, SLOTS + 1):
+            tree.pop(_instance_name(slot), None)
 
 
-def is_fed_by(lights: Sequence[bpy.types.Object]) -> bool:
+def is_fed_by(lights: Sequence[Placed]) -> bool:
     """Whether drivers lead to just these lights, as what they now are."""
     trees = all_of_file()
+    if len(trees) != 1 or not_followed() != {
+        slot: (light.lamp, light.instancer, light.number)
+        for slot, light in enumerate(lights, 1)
+        if not light.followed
+    }:
+        return False
     expected = {
         at: (expression, [*variables.values()])
-        for at, (expression, variables) in _channels(lights).items()
+        for at, (expression, variables) in _channels(trees[0], lights).items()
     }
-    return len(trees) == 1 and expected == {
+    return expected == {
         (curve.data_path, curve.array_index): (
             curve.driver.expression,
             [(each.targets[0].id, each.targets[0].data_path) for each in curve.driver.variables],
@@ -346,22 +434,27 @@ def is_fed_by(lights: Sequence[bpy.types.Object]) -> bool:
     }
 
 
-def lamps_of(tree: bpy.types.NodeTree) -> list[bpy.types.Object]:
-    """The lights that it looks at."""
-    return list(
-        dict.fromkeys(each for each in _driven(tree).values() if isinstance(each, bpy.types.Object))
-    )
+def sources_of(tree: bpy.types.NodeTree) -> list[bpy.types.Object]:
+    """The lights that it looks at, and the instancers of such lights."""
+    found = [source for sources in _driven(tree).values() for source in sources]
+    for slot in range(1, SLOTS + 1):
+        if (who := tree.get(_instance_name(slot))) is not None:
+            found += [who["lamp"], who["instancer"]]
+    return list(dict.fromkeys(each for each in found if isinstance(each, bpy.types.Object)))
 
 
 def has_lost_lamp() -> bool:
     """Whether the light of a slot is gone."""
-    return not all(source for tree in all_of_file() for source in _driven(tree).values())
+    driven = [sources for tree in all_of_file() for sources in _driven(tree).values()]
+    return any(None in sources for sources in (*driven, *not_followed().values()))
 
 
-def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], bpy.types.ID | None]:
-    """The light that each driver of a slot looks at, None for one that is gone."""
+def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], list[bpy.types.ID | None]]:
+    """What each driver of a slot looks at, None for what is gone."""
     return {
-        (curve.data_path, curve.array_index): _source(curve.driver)
+        (curve.data_path, curve.array_index): [
+            variable.targets[0].id for variable in curve.driver.variables
+        ]
         for curve in _curves(tree)
         if curve.driver.variables  # the frame's has none
     }
@@ -369,10 +462,6 @@ def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], bpy.types.ID | No
 
 def _curves(tree: bpy.types.NodeTree) -> bpy.types.AnimDataDrivers | tuple[()]:
     return tree.animation_data.drivers if tree.animation_data else ()
-
-
-def _source(driver: bpy.types.Driver) -> bpy.types.ID | None:
-    return driver.variables[0].targets[0].id
 
 
 def _drive(
@@ -391,7 +480,7 @@ def _drive(
         variable.name = name
         variable.type = "SINGLE_PROP"
         target = variable.targets[0]
-        target.id_type = "LIGHT" if isinstance(datablock, bpy.types.Light) else "OBJECT"
+        target.id_type = datablock.id_type
         target.id = datablock
         target.data_path = of
     driver.expression = expression

@@ -6,6 +6,9 @@ change. A timer fits the paints once the scene has been at rest for a moment. Wi
 are no timers, so the handler fits at once, and before a render too. While Cycles renders, nothing
 is fitted: the slots' drivers follow an animation by themselves.
 
+Where a light is an instance that no driver follows, its place is renewed with each change and each
+frame, in a render too.
+
 Undo frees lamps. The slots' drivers would go on pointing at a freed lamp, because both steps of
 undo share their group. So the slots let go of all lamps before an undo. (A step of undo of its own
 for each fit would end redo.)
@@ -85,6 +88,8 @@ def _fit(scene: bpy.types.Scene) -> None:
     if hasattr(scene, "cycles") and not needs.is_fitting():
         if not needs.is_fitted(scene):
             needs.fit(scene)
+        for layer in lights.used_layers(scene):
+            lights.renew(layer.depsgraph)
         _state.trouble = ""
 
 
@@ -108,6 +113,12 @@ def _changed(*_: object) -> None:
     _state.changed, _state.changed_at = True, time.monotonic()
     if bpy.app.background:
         _fit_if_changed()
+
+
+@persistent
+def _frame_changed(_: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Also while Cycles renders an animation: Blender then evaluates what is renewed once more."""
+    lights.renew(depsgraph)
 
 
 @persistent
@@ -146,6 +157,7 @@ def _render_ended(*_: object) -> None:
 
 _HANDLERS = {
     "depsgraph_update_post": _changed,
+    "frame_change_post": _frame_changed,
     "load_post": _loaded,
     "undo_pre": _before_undo,
     "redo_pre": _before_undo,

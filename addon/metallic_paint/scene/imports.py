@@ -22,19 +22,18 @@ from . import carrier, lights
 def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
     arrived = {item.id: item.import_info for item in context.import_items if item.id is not None}
     fed = [tree for tree in (*carrier.all_of_file(), *lights.groups()) if tree in arrived]
-    lamps = [lamp for tree in fed for lamp in carrier.lamps_of(tree)]
+    sources = [each for tree in fed for each in carrier.sources_of(tree)]
     there = [lamp for lamp in lights.in_slots() if lamp not in arrived]
     for tree in fed:
         tree.animation_data_clear()
     unasked = [
         thing
         for thing, info in arrived.items()
-        if isinstance(thing, bpy.types.Object)
+        if isinstance(thing, (bpy.types.Object, bpy.types.Collection))
         and thing.library is None
         and ("INDIRECT_USAGE" in info or any(_is_twin(thing, lamp) for lamp in there))
     ]
-    for thing in _unused(unasked, lamps, {*arrived} - {*fed}):
-        bpy.data.objects.remove(thing)
+    bpy.data.batch_remove(_unused(unasked, sources, {*arrived} - {*fed}))
     material.share(  # what was asked for by name, Blender goes on to use
         [
             thing
@@ -45,27 +44,27 @@ def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
 
 
 def _unused(
-    unasked: Collection[bpy.types.Object],
-    lamps: Collection[bpy.types.Object],
+    unasked: Collection[bpy.types.ID],
+    sources: Collection[bpy.types.Object],
     holders: Collection[bpy.types.ID],
-) -> list[bpy.types.Object]:
-    """Lamps that none of the holders uses, and step by step what only these use."""
+) -> list[bpy.types.ID]:
+    """Sources that none of the holders uses, and step by step what only these use."""
     users = {
         thing: {user for user in used if user in holders}
         for thing, used in bpy.data.user_map(subset=set(unasked)).items()
     }
-    unused: list[bpy.types.Object] = []
+    unused: list[bpy.types.ID] = []
     while more := [
         thing
         for thing in unasked
-        if thing not in unused and users[thing] <= {*unused} and (thing in lamps or users[thing])
+        if thing not in unused and users[thing] <= {*unused} and (thing in sources or users[thing])
     ]:
         unused += more
     return unused
 
 
-def _is_twin(lamp: bpy.types.Object, other: bpy.types.Object) -> bool:
-    if lamp.type != "LIGHT":
+def _is_twin(lamp: bpy.types.ID, other: bpy.types.Object) -> bool:
+    if not isinstance(lamp, bpy.types.Object) or lamp.type != "LIGHT":
         return False
     one, two = lamp.data, other.data
     same = one.type == two.type and one.energy == two.energy and one.color == two.color

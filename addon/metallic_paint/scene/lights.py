@@ -17,14 +17,16 @@ from __future__ import annotations
 
 import math
 import secrets
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import bpy
 from mathutils import Matrix, Vector
 
-from . import carrier, sky
+from . import carrier, placed, sky
+from .placed import Placed
 
 NAME = "Metallic Paint Lights"
 VERSION = 5  # of its nodes
@@ -41,6 +43,7 @@ _MARK, _FILE, _LOOKS = "metallic_paint_lights", "metallic_paint_file", "metallic
 # are those of a disc of 1 % less.
 _LEAST_SPREAD = math.radians(90)
 _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
+_NOT_FOLLOWED = " (an instance: a render without the add-on has its sparkles where it is now)"
 
 
 _Constant = float | tuple[float, ...]
@@ -51,19 +54,33 @@ _OF_SCENE = METERS_PER_UNIT, OTHER_LIGHT
 
 @dataclass(frozen=True)
 class Report:
-    """What became of the scene's lights: objects, for a linked one may share a local one's name."""
+    """What became of the scene's lights."""
 
-    slots: tuple[bpy.types.Object, ...]  # slot 1 first
-    left_out: dict[bpy.types.Object, str]  # why they make no sparkles
+    placed: tuple[Placed, ...]  # slot 1 first
+    without: dict[Placed, str]  # why they make no sparkles
     read_only: tuple[str, ...]  # linked files whose paints keep the lights they came with
     sky: str = ""  # the world's sun, which has the slot after them
 
+    @property
+    def slots(self) -> tuple[bpy.types.Object, ...]:
+        """Objects, for a linked one may share a local one's name; slot 1 first."""
+        return tuple(each.lamp for each in self.placed)
+
+    @property
+    def left_out(self) -> dict[bpy.types.Object, str]:
+        return {each.lamp: why for each, why in self.without.items()}
+
     def __str__(self) -> str:
-        lines = [f"light {i}: {light.name_full}" for i, light in enumerate(self.slots, 1)]
+        lines = [
+            f"light {i}: {each.name}{'' if each.followed else _NOT_FOLLOWED}"
+            for i, each in enumerate(self.placed, 1)
+        ]
         if self.sky:
-            lines.append(f"light {len(self.slots) + 1}: {self.sky}")
+            lines.append(f"light {len(self.placed) + 1}: {self.sky}")
+        alike = Counter((each.name, why) for each, why in self.without.items())
         lines += [
-            f"no sparkles from {light.name_full}: {why}" for light, why in self.left_out.items()
+            f"no sparkles from {f'{n} times ' if n > 1 else ''}{name}: {why}"
+            for (name, why), n in alike.items()
         ]
         lines += [f"paints linked from {path} do not see these lights" for path in self.read_only]
         return "\n".join(lines)
@@ -144,28 +161,30 @@ def fill(scene: bpy.types.Scene) -> Report:
     layers = used_layers(scene)
     for layer in layers:
         layer.update()
-    matrices = _rendered_lights(layers)
-    left_out = _instances(layers, matrices)
-    for light in [light for light in matrices if why_not(light)]:
-        del matrices[light]
-        left_out[light] = why_not(light)
-    lights = sorted(matrices, key=lambda light: (light.data.type == "AREA", light.name_full))
+    without: dict[Placed, str] = {}
+    lights = []
+    for each in placed.lights(layers):
+        if why := why_not(each.lamp):
+            without[each] = why
+        else:
+            lights.append(each)
+    lights.sort(key=lambda each: each.lamp.data.type == "AREA")  # and by name as before
     if len(lights) > SLOTS:
-        irradiance = _irradiances(matrices, _painted_boxes(layers))
-        brightest = sorted(lights, key=lambda light: (light.hide_render, -irradiance[light]))
-        for light in brightest[SLOTS:]:
-            others = "other" if light.hide_render else "brighter"
-            left_out[light] = f"{SLOTS} {others} lights have the slots"
-        lights = [light for light in lights if light in brightest[:SLOTS]]
+        irradiance = _irradiances(lights, _painted_boxes(layers))
+        brightest = sorted(lights, key=lambda each: (each.lamp.hide_render, -irradiance[each]))
+        for each in brightest[SLOTS:]:
+            others = "other" if each.lamp.hide_render else "brighter"
+            without[each] = f"{SLOTS} {others} lights have the slots"
+        lights = [each for each in lights if each not in without]
     attached = carrier.attach(showing_paint())
     attached |= carrier.attach_to_scenes(bool(linked_groups()))
     if attached or not carrier.is_fed_by(lights):  # Blender notes a new way there with new drivers
-        carrier.feed(lights, matrices)
+        carrier.feed(lights)
         for layer in layers:
             layer.update()
-    carrier.set_values(lights, matrices)
-    kinds = [carrier.KINDS[light.data.type] for light in lights]
-    numbers = [_constants(light, matrices[light]) for light in lights]
+    carrier.set_values(lights)
+    kinds = [carrier.KINDS[each.lamp.data.type] for each in lights]
+    numbers = [_constants(each) for each in lights]
     sun = sky.find(scene) if len(lights) < SLOTS else None
     in_sky = (*sun.direction, max(sun.sine, 1e-6)) if sun else None
     carrier.set_sky(len(lights) + 1, in_sky)
@@ -176,7 +195,7 @@ def fill(scene: bpy.types.Scene) -> Report:
         _build(group, kinds, numbers)
     _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
     _tell_scenes(group)
-    return Report(tuple(lights), left_out, linked_files(), sun.name if sun else "")
+    return Report(tuple(lights), without, linked_files(), sun.name if sun else "")
 
 
 def why_not(light: bpy.types.Object) -> str:
@@ -223,7 +242,18 @@ def _has_own_number(group: bpy.types.ShaderNodeTree) -> bool:
 
 def in_slots() -> list[bpy.types.Object]:
     """The lights that feed the slots now."""
-    return [lamp for tree in carrier.all_of_file()[:1] for lamp in carrier.lamps_of(tree)]
+    things = [each for tree in carrier.all_of_file()[:1] for each in carrier.sources_of(tree)]
+    return [each for each in things if each.type == "LIGHT"]
+
+
+def renew(depsgraph: bpy.types.Depsgraph) -> None:
+    """The places of instances that no driver follows."""
+    if kept := carrier.not_followed():
+        there = {(each.lamp, each.instancer, each.number): each
+                 for each in placed.instances(depsgraph)}  # fmt: skip
+        for slot, who in kept.items():
+            if who in there:
+                carrier.renew(slot, there[who])
 
 
 # --- the group ---------------------------------------------------------------------------------
@@ -372,8 +402,8 @@ def _feed(
         socket.default_value = value
 
 
-def _constants(light: bpy.types.Object, matrix: Matrix) -> _Constants:
-    return carrier.numbers_of(light, matrix), carrier.facing_of(light, matrix)
+def _constants(light: Placed) -> _Constants:
+    return carrier.numbers_of(light), carrier.facing_of(light)
 
 
 def _mix(
@@ -455,46 +485,6 @@ def linked_files() -> tuple[str, ...]:
 def used_layers(scene: bpy.types.Scene) -> list[bpy.types.ViewLayer]:
     """Those that a render makes."""
     return [layer for layer in scene.view_layers if layer.use]
-
-
-def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.types.Object]:
-    """The objects of a view layer that a render shows; with `ever`, those too that may appear."""
-    collections = [layer.layer_collection]
-    while collections:
-        current = collections.pop()
-        if current.exclude or current.collection.hide_render:
-            continue
-        collections.extend(current.children)
-        for thing in current.collection.objects:
-            if not thing.hide_render or (ever and thing.animation_data):
-                yield thing
-
-
-def _rendered_lights(layers: list[bpy.types.ViewLayer]) -> dict[bpy.types.Object, Matrix]:
-    return {
-        light: light.evaluated_get(layer.depsgraph).matrix_world.copy()
-        for layer in layers
-        for light in rendered(layer, ever=True)
-        if light.type == "LIGHT"
-    }
-
-
-def _instances(
-    layers: list[bpy.types.ViewLayer], lights: dict[bpy.types.Object, Matrix]
-) -> dict[bpy.types.Object, str]:
-    return {
-        thing: "an instanced light has no place that a driver could follow"
-        for layer in layers
-        for thing in instanced(layer)
-        if thing.type == "LIGHT" and thing not in lights
-    }
-
-
-def instanced(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
-    """The objects that particles, geometry nodes or collection instances multiply, as often."""
-    for instance in layer.depsgraph.object_instances:
-        if instance.is_instance:
-            yield instance.object.original
 
 
 # --- the brightest -----------------------------------------------------------------------------
@@ -596,13 +586,10 @@ def holds_slots(tree: bpy.types.NodeTree | None) -> bool:
     return any(_MARK in group or holds_slots(group) for group in groups)
 
 
-def _irradiances(
-    matrices: dict[bpy.types.Object, Matrix], boxes: list[_Box]
-) -> dict[bpy.types.Object, float]:
+def _irradiances(lights: list[Placed], boxes: list[_Box]) -> dict[Placed, float]:
     """The greatest irradiance, W/m², that each light sends to any of the boxes."""
     return {
-        light: max(_irradiance(light.data, matrix, box) for box in boxes)
-        for light, matrix in matrices.items()
+        each: max(_irradiance(each.lamp.data, each.matrix, box) for box in boxes) for each in lights
     }
 
 

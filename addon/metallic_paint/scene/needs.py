@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..paint import material
-from . import carrier, lights, sky
+from . import carrier, lights, placed, sky
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
 _NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
@@ -48,7 +48,7 @@ class Needs:
             return "\n".join(
                 ["This file has no metallic paint of its own.", *str(self.lights).splitlines()]
             )
-        slots, without = len(self.lights.slots), len(self.lights.left_out)
+        slots, without = len(self.lights.placed), len(self.lights.without)
         slots += bool(self.lights.sky)
         lines = str(self.lights).splitlines()
         if not slots:
@@ -169,10 +169,13 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         (_material_may_emit(each), _has_volume(each), lights.holds_slots(each.node_tree))
         for each in materials
     ]
-    if len(lamps) > lights.SLOTS:  # the brightest have the slots
-        placed = (*lamps, *filter(lights.is_painted, shapes))
-        seen += [thing.matrix_world for thing in placed]
-        seen += [_brightness(lamp) for lamp in lamps]
+    instances = placed.instances_in(layers)
+    seen += [(each.name, each.number, each.followed) for each in instances]
+    if len(lamps) + len(instances) > lights.SLOTS:  # the brightest have the slots
+        painted = filter(lights.is_painted, shapes)
+        seen += [thing.matrix_world for thing in (*lamps, *painted)]
+        seen += [each.matrix for each in instances]
+        seen += [_brightness(lamp) for lamp in (*lamps, *(each.lamp for each in instances))]
     return hashlib.sha256(repr(seen).encode()).hexdigest()
 
 
@@ -192,7 +195,7 @@ def _brightness(lamp: bpy.types.Object) -> tuple[object, ...]:
 
 
 def _things(layers: list[bpy.types.ViewLayer]) -> list[bpy.types.Object]:
-    things = (thing for layer in layers for thing in lights.rendered(layer, ever=True))
+    things = (thing for layer in layers for thing in placed.rendered(layer, ever=True))
     return list(dict.fromkeys(things))
 
 
@@ -221,7 +224,7 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
     if _world_may_shine(scene) or any(map(_world_override, layers)):
         yield "the world"
     lamps = _lamps(things)
-    if report.left_out or any(lamp not in report.slots for lamp in lamps):
+    if report.without or any(lamp not in report.slots for lamp in lamps):
         yield "lights without a slot"
     if any(lamp.data.type == "AREA" for lamp in report.slots):
         yield "area lights where they look wide"

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..paint import PaintError, material
-from . import lights
+from . import lights, placed
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _shown(value: bool | int | float) -> str:
 
 def _inexact_paints(scene: bpy.types.Scene) -> Iterator[str]:
     layers = lights.used_layers(scene)
-    things = {thing: None for layer in layers for thing in lights.rendered(layer)}
+    things = {thing: None for layer in layers for thing in placed.rendered(layer)}
     slots = [slot.material for thing in things for slot in thing.material_slots]
     for painted in dict.fromkeys(slots):
         if painted is None or not material.has_paint(painted):

@@ -13,6 +13,7 @@ import numpy as np
 from mathutils import Vector
 
 from . import sky
+from .placed import Placed
 from .sight import Seen, past, surfaces_on
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
@@ -22,7 +23,7 @@ _CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light pas
 
 def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
     """Of the lights that give none."""
-    for lamp in lamps:
+    for lamp in dict.fromkeys(lamps):
         data = lamp.data
         if data.energy <= 0:
             yield f"{lamp.name} gives no light: its Power or Strength is {data.energy:g}."
@@ -45,11 +46,11 @@ def lacking(
     layer: bpy.types.ViewLayer,
     thing: bpy.types.Object,
     seen: Seen,
-    lamps: tuple[bpy.types.Object, ...],
+    lights: tuple[Placed, ...],
 ) -> Iterator[str]:
     """Sentences about the lights that do not reach what the camera sees of a painted object."""
     places = np.linspace(0, len(seen.position) - 1, min(_RAYS, len(seen.position))).astype(int)
-    for light in _lights(scene, lamps):
+    for light in _lights(scene, lights):
         if light.lamp is not None and not _is_linked(light.lamp, thing):
             yield (
                 f"Light linking keeps {light.name} from {thing.name}: add it to the light's "
@@ -104,13 +105,13 @@ class _Light:
         return -towards.dot(self.axis) < math.cos(self.cone)
 
 
-def _lights(scene: bpy.types.Scene, lamps: tuple[bpy.types.Object, ...]) -> Iterator[_Light]:
-    for lamp in lamps:
-        matrix = lamp.matrix_world
+def _lights(scene: bpy.types.Scene, lights: tuple[Placed, ...]) -> Iterator[_Light]:
+    for light in lights:
+        lamp, matrix = light.lamp, light.matrix
         axis = -matrix.col[2].xyz.normalized()
         far = -axis if lamp.data.type == "SUN" else None
         cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.pi
-        yield _Light(lamp.name, lamp, far, matrix.translation, axis, cone)
+        yield _Light(light.name, lamp, far, matrix.translation, axis, cone)
     if sun := sky.find(scene):
         yield _Light(sun.name, None, Vector(sun.direction), Vector(), Vector((0, 0, 1)), math.pi)
 

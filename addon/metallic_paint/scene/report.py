@@ -16,8 +16,9 @@ import bpy
 from .. import denoise
 from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, material
-from . import lights, needs, reach, rest_position
+from . import lights, needs, placed, reach, rest_position
 from .expected import Expected, expect
+from .placed import Placed
 from .sight import Camera, Effort, SightError, effort_for, look
 
 INFO: Final = "INFO"
@@ -47,12 +48,16 @@ def report(scene: bpy.types.Scene) -> list[Line]:
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
     lines += [(WARNING, text) for text in reach.dark(fitted.lights.slots)]
+    lines += [
+        (INFO, f"No driver follows {name}: a render without the add-on has its sparkles as now.")
+        for name in dict.fromkeys(each.name for each in fitted.lights.placed if not each.followed)
+    ]
     layers = lights.used_layers(scene)
     lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
-    shown = {thing: layer for layer in layers for thing in lights.rendered(layer)}
+    shown = {thing: layer for layer in layers for thing in placed.rendered(layer)}
     painted = [thing for thing in shown if lights.is_painted(thing)]
     if not painted:
-        multiplied = (thing for layer in layers for thing in lights.instanced(layer))
+        multiplied = (thing for layer in layers for thing in placed.instanced(layer))
         if any(map(lights.is_painted, multiplied)):
             lines.append((INFO, "Painted only as instances: nothing can be foretold."))
         else:
@@ -75,13 +80,13 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         if line is not None:
             lines.append(line)
             continue
-        found, brightness = _about(scene, each, fitted.lights.slots, effort, each in chosen)
+        found, brightness = _about(scene, each, fitted.lights.placed, effort, each in chosen)
         lines += found
         brightest = max(brightest, brightness)
     if left_out := len(known) - len(chosen):
         sentence = f"Left out, being smaller in the picture: {left_out} more painted surfaces."
         lines.append((INFO, sentence))
-    lines += _clamping(scene, brightest, len(fitted.lights.slots) + bool(fitted.other_light))
+    lines += _clamping(scene, brightest, len(fitted.lights.placed) + bool(fitted.other_light))
     if not known or any(_sparkles(each.node) for each in known):
         lines += _denoising(scene)
     return lines
@@ -226,7 +231,7 @@ def _largest(scene: bpy.types.Scene, surfaces: list[_Surface], number: int) -> l
 def _about(
     scene: bpy.types.Scene,
     surface: _Surface,
-    lamps: tuple[bpy.types.Object, ...],
+    lights_of_slots: tuple[Placed, ...],
     effort: Effort,
     looked_at: bool,
 ) -> tuple[list[Line], float]:
@@ -246,10 +251,10 @@ def _about(
         return [*lines, (INFO, f"{label}: {error}")], 0.0
     if seen is None:
         return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0
-    expected = expect(material.paint_of(node), seen, lamps)
+    expected = expect(material.paint_of(node), seen, lights_of_slots)
     lines += _judge(label, node, expected)
     if _sparkles(node):
-        missing = reach.lacking(scene, surface.layer, thing, seen, lamps)
+        missing = reach.lacking(scene, surface.layer, thing, seen, lights_of_slots)
         lines += [(WARNING, text) for text in missing]
     return lines, expected.brightness or 0.0
 

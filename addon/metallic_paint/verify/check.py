@@ -18,7 +18,7 @@ import numpy as np
 
 from ..native import core_lights
 from ..paint import core_paint, material
-from ..scene import lights, sight
+from ..scene import lights, placed, sight
 from .comparison import MOST_RADIANCE_ERROR, MOST_STACK_ERROR, compare, predict, stack_error
 from .diagnostics import CONE, COUNT, DIFFUSE, GLOSSY, IRRADIANCE, ROUGHNESS, SPARKLES, TEXTURE
 from .probe import Probe
@@ -96,13 +96,13 @@ def check(
     import metallic_paint_core as core
 
     layer = next(
-        (each for each in scene.view_layers if each.use and thing in set(lights.rendered(each))),
+        (each for each in scene.view_layers if each.use and thing in set(placed.rendered(each))),
         None,
     )
     if layer is None:
         raise VerifyError(f"{thing.name} does not render{_as_instances(scene, thing)}.")
     notes = _freeze(painted, layer)
-    lamps = lights.fill(scene).slots
+    lamps = _make_real(scene, lights.fill(scene).placed)
     if not lamps:
         raise VerifyError(
             "No sun, spot, point or area light renders: there is no sparkle to check."
@@ -184,7 +184,7 @@ def _as_instances(scene: bpy.types.Scene, thing: bpy.types.Object) -> str:
     layers = [each for each in scene.view_layers if each.use]
     for layer in layers:
         layer.update()
-    shown = any(thing in set(lights.instanced(layer)) for layer in layers)
+    shown = any(thing in set(placed.instanced(layer)) for layer in layers)
     return " but as instances, of which nothing can be foretold" if shown else ""
 
 
@@ -201,6 +201,24 @@ class _Probe(Probe):
         self.progress(min(self.taken / self.steps, 1), f"Picture {self.taken + 1}")
         self.taken += 1
         return super().image(diagnostic, int(light), species)
+
+
+def _make_real(scene: bpy.types.Scene, found: tuple[placed.Placed, ...]) -> list[bpy.types.Object]:
+    """Lamps that can be lit one by one, in place of instances, which go dark; the slots stay."""
+    instanced = {each.lamp for each in placed.instances_in(lights.used_layers(scene))}
+    lamps = [each.lamp.copy() if each.lamp in instanced else each.lamp for each in found]
+    for lamp in instanced:
+        lamp.data = lamp.data.copy()
+        lamp.data.animation_data_clear()
+        lamp.data.energy = 0
+    for light, lamp in zip(found, lamps, strict=True):
+        if lamp != light.lamp:
+            lamp.parent = None
+            lamp.constraints.clear()
+            lamp.animation_data_clear()
+            lamp.matrix_world = light.matrix
+            scene.collection.objects.link(lamp)
+    return lamps
 
 
 def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str]:

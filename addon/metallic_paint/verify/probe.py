@@ -222,15 +222,18 @@ class Probe:
         return found[0], found[1]
 
     def lit_by(
-        self, lamps: Iterable[bpy.types.Object], diagnostic: int, light: int = 0
+        self, lit: Iterable[bpy.types.Object | bpy.types.World], diagnostic: int, light: int = 0
     ) -> np.ndarray:
-        """The picture with these lamps alone, every light slot as it was."""
+        """The picture with these lamps alone, or the world, every light slot as it was."""
         all_lamps = [o for o in self.scene.objects if o.type == "LIGHT"]
-        hidden = {o: o.hide_render for o in all_lamps}
+        hidden, world = {o: o.hide_render for o in all_lamps}, self.scene.world
         try:
             for o in all_lamps:
-                o.hide_render = o not in lamps
+                o.hide_render = o not in lit
+            if world not in lit:
+                self.scene.world = None
             return self.image(diagnostic, light)
         finally:
+            self.scene.world = world
             for o, was in hidden.items():
                 o.hide_render = was
