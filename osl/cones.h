@@ -15,9 +15,6 @@
 #define NARROW_CONE 0.02
 #define WIDEST_CONE 0.5
 
-// Random flakes of a sample, spread over the deviates.
-#define LOBE_FLAKES 3
-
 float cone_half_angle(float average, float least, float most)
 {
   float wanted = 2.0 * asin(sqrt(min(2.0 * LEAST_WEIGHT / (4.0 * M_PI * max(average, 1e-30)), 0.5)));
