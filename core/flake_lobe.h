@@ -12,7 +12,6 @@
 #include "close_up.h"
 #include "hot_spot.h"
 #include "layer.h"
-#include "smooth_part.h"
 
 namespace metallic_paint {
 
@@ -53,8 +52,6 @@ struct MirroredSample {
   T variance{};             // t; 0 where there is no wide cone
   Vec3<T> drift{};          // t grad ln g
   T along = 1, across = 1;  // sqrt(var(c)/t) in the plane of the normal and across it
-  T density{};              // that drew it, 1/sr; 0 of a flake that is seen close up
-  int species{};
 };
 
 // A flake's species is drawn by covered area, its normal m from p. The mirror law takes m to the
@@ -93,7 +90,6 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     ++i;
   }
   const Flakes<T>& flakes = layer.flakes[i];
-  sample.species = static_cast<int>(i);
   const FirstFlake<T> first = firsts != nullptr ? firsts[i] : FirstFlake<T>{};
   if (first.close && !first.seen) return sample;
   Vec3<T> m = first.normal;
@@ -144,9 +140,6 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.weight = reflectance *
                     map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) *
                     (through * tilt.weight * cos_alpha);
-    const T p = orientation_density(flakes.orientation, tilt.sin2_half_beta) / tilt.weight;
-    sample.density = p * cos_light * flakes.coverage /
-                     (8 * std::numbers::pi_v<T> * cos_alpha * eta * g_light * layer.coverage);
     const T turned = 2 * eta * cos_view_in;
     const T most = min(T(kWidestDeviation), T(kToHorizon) * cos_view);
     sample.variance =
@@ -163,14 +156,6 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.across = sqrt(max(1 - bend * across_turn * across_turn, T(0)));
   }
   return sample;
-}
-
-// What it shows beside the smooth part of its species.
-template <class T>
-Rgb<T> beside(const MirroredSample<T>& sample, const SmoothPart<T>& part, Vec3<T> view) {
-  if (!(sample.density > 0)) return sample.weight;
-  const T smooth = facets_show(part, view, sample.direction) / sample.density;
-  return map(sample.weight - part.weight * smooth, [](T x) { return max(x, T(0)); });
 }
 
 template <class T>

@@ -6,7 +6,6 @@
 
 #include "close_up.h"
 #include "passage.h"
-#include "smooth_part.h"
 
 #define WIDE_SHARE 0.15
 #define WIDEST_DEVIATION 0.2
@@ -22,8 +21,6 @@ struct MirroredSample {
   vector drift;
   float along;
   float across;
-  float density;
-  int species;
   float turned;  // 2 eta tilt of its species, which tells what of an area light sparkles
 };
 
@@ -43,8 +40,6 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   mirrored.drift = vector(0.0);
   mirrored.along = 1.0;
   mirrored.across = 1.0;
-  mirrored.density = 0.0;
-  mirrored.species = 0;
   mirrored.turned = 1.0;
   vector n = surface.n;
   vector view = surface.below;
@@ -70,7 +65,6 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
   }
   Flakes some = flakes_of(layer, flakes, kind);
-  mirrored.species = kind;
   mirrored.turned = 2.0 * eta * some.orientation.tilt;
   FirstFlake first = firsts[kind];
   if (first.close && !first.seen)
@@ -127,8 +121,6 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.weight = shown_by(first, reflectance, slant) * (through * cos_view_in * (layer.coverage / some.coverage));
   else {
     mirrored.weight = reflectance * (layer.coverage * mean_transmittance(slant)) * (through * tilt_weight * cos_alpha);
-    float p = orientation_density(some.orientation, h) / tilt_weight;
-    mirrored.density = p * cos_light * some.coverage / (8.0 * M_PI * cos_alpha * eta * g_light * layer.coverage);
     float turned = 2.0 * eta * cos_view_in;
     float most = min(WIDEST_DEVIATION, TO_HORIZON * cos_view);
     mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
@@ -144,14 +136,6 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.across = sqrt(max(1.0 - bend * across_turn * across_turn, 0.0));
   }
   return mirrored;
-}
-
-color beside(MirroredSample mirrored, SmoothPart part, vector view)
-{
-  if (!(mirrored.density > 0.0))
-    return mirrored.weight;
-  float smooth = facets_show(part, view, mirrored.direction) / mirrored.density;
-  return max(mirrored.weight - part.weight * smooth, color(0.0));
 }
 
 struct LobeCone {

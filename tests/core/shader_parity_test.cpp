@@ -267,7 +267,7 @@ ParityScene random_scene(Random& random) {
 // How often the scenes came to what is rare.
 struct Visits {
   long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, wide = 0,
-       smooth = 0, grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
+       grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -498,22 +498,6 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     ++visits.sampled;
     same("sample's direction", shader_sample.direction, sample.direction);
     same("sample's variance", shader_sample.variance, sample.variance);
-    same("sample's density", shader_sample.density, sample.density);
-    same("sample's species", shader_sample.species, sample.species);
-    const auto shader_part =
-        osl::smooth_part(shader_layer, shader_flakes, library, surface, sample.species);
-    const SmoothPart<float> part = smooth_part(
-        layer, layer.flakes[static_cast<std::size_t>(sample.species)], point.normal, point.view);
-    same("smooth part's weight", shader_part.weight, part.weight);
-    if (max_component(part.weight) > 0) {
-      ++visits.smooth;
-      same("smooth part's normal", shader_part.facing, part.normal);
-      same("smooth part's direction", shader_part.along, part.along);
-      same("smooth part's alphas", osl::vector(shader_part.alpha_x, shader_part.alpha_y, 0),
-           {part.alpha_x, part.alpha_y, 0});
-      same("what is beside it", osl::beside(shader_sample, shader_part, to_osl(point.view)),
-           beside(sample, part, point.view));
-    }
     same("sample's drift", shader_sample.drift, sample.drift);
     same("sample's deviations", osl::vector(shader_sample.along, shader_sample.across, 0),
          {sample.along, sample.across, 0});
@@ -551,8 +535,8 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   // No branch is left out because the scenes never go there.
   for (const long visited :
        {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
-        visits.wide, visits.smooth, visits.grazed, visits.close, visits.covered, visits.lit,
-        visits.melting, visits.melted, visits.bent}) {
+        visits.wide, visits.grazed, visits.close, visits.covered, visits.lit, visits.melting,
+        visits.melted, visits.bent}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }
