@@ -404,7 +404,8 @@ def _from_library() -> bpy.types.ShaderNodeTree:
     """The group with the shader as another Blender has compiled it: this one has no compiler."""
     if not shader.LIBRARY.is_file():
         raise shader.CompileError(NO_OSL)
-    with bpy.data.libraries.load(str(shader.LIBRARY), link=False) as (_, into):
+    opened: Any = bpy.data.libraries.load  # the stubs have it return nothing
+    with opened(str(shader.LIBRARY), link=False) as (_, into):
         into.node_groups = [NAME]
     [group] = into.node_groups
     return group

@@ -35,7 +35,7 @@ _OUTWARDS, _FLANK, _APART, _GGX_TAIL = 0.9, 1.3, 1.5, 2.0
 # Of the glitter. Nodes do not know how wide a pixel is: that of a lens of 50 mm and 1920 pixels.
 _PIXEL = 36 / 50 / 1920
 _LAMP = 1e-5  # square of half the angle, within the binder, at which a usual lamp is seen
-_MOST_VARIANCE = 3.0  # of a cell's brightness, whose mean is 1
+_MOST_VARIANCE = 0.7  # of a cell's brightness, whose mean is 1: more looks like noise
 _TURNS = 20.0  # a cell flashes anew when the view turns by so many parts of a radian
 
 
