@@ -219,12 +219,13 @@ def test_new_paint_that_does_not_compile_leaves_nothing(
     assert not cube.material_slots
 
 
-def test_without_a_compiler_the_shader_comes_from_the_asset_library(
-    addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("has_osl", [True, False])
+def test_the_shader_comes_compiled_from_the_asset_library(
+    has_osl: bool, addon: Addon, cube: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Compiled: the file renders wherever there is Open Shading Language."""
+    """So the file of a Blender without a compiler renders wherever there is one."""
     material = addon("paint.material")
-    monkeypatch.setattr(material, "has_osl", lambda: False)
+    monkeypatch.setattr(material, "has_osl", lambda: has_osl)
     monkeypatch.setattr(addon("paint.shader"), "compile_into", None)
     bpy.ops.material.metallic_paint_new(preset="gold")
     node = material.paint_node(cube.active_material)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes what of the extension is rendered: swatches of the presets, and an asset library of them.
 
-In the folder: swatches/PRESET.jpg, assets/metallic_paint.blend, assets/blender_assets.cats.txt.
+In the folder: swatches/PRESET.jpg, assets/metallic_paint.blend and .sha256, assets/blender_assets.cats.txt.
 Some presets at a time, several programs can render the swatches; one makes the library of all.
 """
 
@@ -19,7 +19,7 @@ blender_env.prepare()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from metallic_paint.interface import operators  # noqa: E402
-from metallic_paint.paint import material, presets  # noqa: E402
+from metallic_paint.paint import material, presets, shader  # noqa: E402
 from pictures import gallery_scenes as scenes  # noqa: E402
 from pictures import render_scene  # noqa: E402
 
@@ -63,6 +63,8 @@ def write_library(folder: Path, swatches: Path) -> None:
     file = folder / "metallic_paint.blend"
     bpy.data.libraries.write(str(file), paints, fake_user=True, compress=True)
     (folder / "blender_assets.cats.txt").write_text(CATALOGS, encoding="utf-8")
+    kept = file.with_suffix(shader.DIGEST)
+    kept.write_text(material.digest(shader.source()), encoding="ascii")
 
 
 def _set_preview(painted: bpy.types.Material, file: Path) -> None:

@@ -387,8 +387,10 @@ def node_group() -> bpy.types.ShaderNodeTree:
     text = shader.source()
     if own := _own_group((VERSION, digest(text))):
         return own
-    if not has_osl():
+    if _is_in_library(text):
         return _from_library()
+    if not has_osl():
+        raise shader.CompileError(NO_OSL)
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     try:
         script = _script_node(group, text)
@@ -400,10 +402,13 @@ def node_group() -> bpy.types.ShaderNodeTree:
     return group
 
 
+def _is_in_library(source: str) -> bool:
+    kept = shader.LIBRARY.with_suffix(shader.DIGEST)
+    return kept.is_file() and kept.read_text(encoding="ascii") == digest(source)
+
+
 def _from_library() -> bpy.types.ShaderNodeTree:
-    """The group with the shader as another Blender has compiled it: this one has no compiler."""
-    if not shader.LIBRARY.is_file():
-        raise shader.CompileError(NO_OSL)
+    """The group, compiled: sooner than it is made, and in a Blender without a compiler too."""
     opened: Any = bpy.data.libraries.load  # the stubs have it return nothing
     with opened(str(shader.LIBRARY), link=False) as (_, into):
         into.node_groups = [NAME]

@@ -19,6 +19,7 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 FOLDERS = (_PACKAGE / "osl", _PACKAGE.parent.parent / "osl")  # installed; in the repository
 FILE = "metallic_paint.osl"
 LIBRARY = _PACKAGE / "assets" / "metallic_paint.blend"  # the presets as assets; in the zip alone
+DIGEST = ".sha256"  # the suffix of a file beside it: material.digest of the shader in it
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*$', re.MULTILINE)
 # Each header goes in once as it is; in a text of one piece the pragma crashes Blender's oslc.
