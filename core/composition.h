@@ -74,6 +74,11 @@ T visible_facets(T square, T cosine) {
   return 2 * cosine / (cosine + sqrt(square + (1 - square) * cosine * cosine));
 }
 
+// A mirror shows no listed light smaller than this half-angle, 0.5 degrees, as sin^2 of its half:
+// smaller ones as a disc of this size and as much light in all (ours). In a bent surface the sun's
+// image is a hundredth of a pixel and less, which few samples find, as bright as they are rare.
+inline constexpr double kLeastImage = 1.9e-5;
+
 // The highlight of a binder surface that reflects `reflectance`, per unit of the light's irradiance
 // on a plane normal to it: the light's disc in a mirror, or Walter's GGX microfacets (2007) of
 // roughness alpha, D G/(4 cos(theta)), with Smith's G of both directions apart. The light's solid
@@ -86,8 +91,9 @@ T highlight(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T sin2_half_radius, T a
   if (!(cos_view > 0 && cos_light > 0)) return 0;
   if (!(alpha > 0)) {
     const Vec3<T> off = normal * (2 * cos_view) - view - light;
-    if (!(sin2_half_radius > 0) || dot(off, off) > 4 * sin2_half_radius) return 0;
-    return reflectance / (4 * pi * sin2_half_radius);
+    const T disc = max(sin2_half_radius, T(kLeastImage));
+    if (dot(off, off) > 4 * disc) return 0;
+    return reflectance / (4 * pi * disc);
   }
   const Vec3<T> sum = view + light;
   const T cos_half = dot(normal, sum) / length(sum);

@@ -57,6 +57,8 @@ float visible_facets(float square, float cosine)
   return 2.0 * cosine / (cosine + sqrt(square + (1.0 - square) * cosine * cosine));
 }
 
+#define LEAST_IMAGE 1.9e-5
+
 float highlight(vector n, vector view, vector light, float sin2_half_radius, float alpha, float reflectance)
 {
   float cos_view = inner_product(n, view);
@@ -65,9 +67,10 @@ float highlight(vector n, vector view, vector light, float sin2_half_radius, flo
     return 0.0;
   if (!(alpha > 0.0)) {
     vector off = n * (2.0 * cos_view) - view - light;
-    if (!(sin2_half_radius > 0.0) || inner_product(off, off) > 4.0 * sin2_half_radius)
+    float disc = max(sin2_half_radius, LEAST_IMAGE);
+    if (inner_product(off, off) > 4.0 * disc)
       return 0.0;
-    return reflectance / (4.0 * M_PI * sin2_half_radius);
+    return reflectance / (4.0 * M_PI * disc);
   }
   vector sum = view + light;
   float cos_half = inner_product(n, sum) / sqrt(inner_product(sum, sum));

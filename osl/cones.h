@@ -90,16 +90,34 @@ closure color mirrored_cone(MirroredSample mirrored, LobeCone wide, vector view,
   return left * mirrored.weight * glossy_toon(half, rho / M_PI_2, 0.0);
 }
 
-// A coat without roughness. No sampling of lamps finds what a mirror shows, so where that is a listed light, a cone as large
-// as the light shows it instead. Of lights that overlap there the first decides. What melts may have corners: rays find it.
+// A coat without roughness. No sampling of lamps finds what a mirror shows, so where that is a listed light, a cone about
+// the light shows it instead, and beside it what the mirror shows: where the image is wider than the light (LEAST_IMAGE) by
+// what the cone leaves. Of lights that overlap the first decides. What melts may have corners: rays find it.
 closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
 {
+  closure color shown = 0;
+  float left = 1.0;  // of the mirror
+  int last = -1;
+  vector mirrored = n * (2.0 * inner_product(n, view)) - view;
   for (int i = 0; i < lights; ++i) {
     float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
     if (radiance > 0.0 && seen[i].breadth == 0.0) {
-      float radius = angle_of_half_chord(sqrt(seen[i].sin2_half_radius));
-      return sparkle_cone(color(radiance), view, seen[i].direction, radius + CONE_MARGIN, 0.0);
+      float rho = angle_of_half_chord(sqrt(seen[i].sin2_half_radius)) + CONE_MARGIN;
+      vector off = mirrored - seen[i].direction;
+      float apart = M_PI;
+      if (last >= 0)
+        apart = angle_between(seen[i], seen[last]) - angle_of_half_chord(sqrt(seen[last].sin2_half_radius));
+      if (apart > rho) {
+        shown = shown + sparkle_cone(color(radiance), view, seen[i].direction, rho, 0.0);
+        left = left - radiance * cone_solid_angle(rho);
+        last = i;
+      }
+      // A ray there would meet the light a second time.
+      if (inner_product(off, off) < rho * rho)
+        left = 0.0;
     }
   }
-  return reflection(n);
+  if (left > 0.0)
+    shown = shown + left * reflection(n);
+  return shown;
 }

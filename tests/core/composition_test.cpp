@@ -108,7 +108,11 @@ TEST(Composition, TheSmoothHighlightIsTheLightsDisc) {
   EXPECT_GT(highlight<double>(n, view, near / length(near), sin2_half, 0, 0.04), 0);
   const Vec3<double> off{-0.6 * std::cos(0.05), 0.6 * std::sin(0.05), 0.8};
   EXPECT_EQ(highlight<double>(n, view, off / length(off), sin2_half, 0, 0.04), 0);
-  EXPECT_EQ(highlight<double>(n, view, mirrored, 0, 0, 0.04), 0) << "a point is no disc";
+  // A smaller one is as large as the least image, and as bright in all; so is a point.
+  const double least = 0.04 / (4 * std::numbers::pi * kLeastImage);
+  EXPECT_NEAR(std::sqrt(kLeastImage), std::sin(std::numbers::pi / 180 / 4), 1e-5);
+  EXPECT_DOUBLE_EQ(highlight<double>(n, view, mirrored, 5e-6, 0, 0.04), least);
+  EXPECT_DOUBLE_EQ(highlight<double>(n, view, mirrored, 0, 0, 0.04), least);
   EXPECT_EQ(highlight<double>(n, view, {0.6, 0, -0.8}, sin2_half, 0.3, 0.04), 0);
 }
 
