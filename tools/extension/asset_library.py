@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes what of the extension is rendered: swatches of the presets, and an asset library of them.
 
-In the folder: swatches/PRESET.jpg, assets/metallic_paint.blend and .sha256, assets/blender_assets.cats.txt.
+In the folder: swatches/PRESET.jpg; in assets/ metallic_paint.blend and .sha256, and
+blender_assets.cats.txt.
 Some presets at a time, several programs can render the swatches; one makes the library of all.
 """
 
