@@ -343,7 +343,8 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
       result.depth[at] -= shared * share;
       // Of two points of a disc, both free, as wide as those that hide it.
       const Real alone = 1 / (1 + 0.3259L + 0.8235L);
-      const Real together = alone + (1 - alone) * share * (1 - share);
+      const Real more = (1 - alone) * (0.74L + 0.45L * alone);
+      const Real together = alone + more * share * (1 - share);
       hidden = std::min(hidden, together * shared * (2 - share));
     }
     kept[at] = averaged(result.depth[at]);
