@@ -26,6 +26,7 @@ ONLY_SHADER = {
     "mixture_rule": "C++ has constant arrays",
     "channels_of": "C++ copies no loop",
     "flakes_of": "C++ folds elements of arrays",
+    **dict.fromkeys(("angles_between", "find_cells"), "C++ finds them where it asks for them"),
     "inner_product": "dot() of core/vector.h",
     "luminance_of": "luminance(), a name that OSL's own library has taken",
     "is_sound": "a diagnostic",

@@ -288,7 +288,12 @@ def test_pixels_do_not_know_of_one_another(case: Case, random: Any) -> None:  # 
     assert_same(found, {name: values[rows] for name, values in alone.items()})
 
 
-@given(cases(), st.integers(0, 2))
+def even(case: Case) -> Case:
+    """Without orange peel, whose waves have a place, a size and no mirror image."""
+    return case.but(orange_peel=0.0)
+
+
+@given(cases().map(even), st.integers(0, 2))
 def test_a_mirror_image_sparkles_alike(case: Case, axis: int) -> None:
     flip = np.where(np.arange(3) == axis, -1.0, 1.0)
     lights = [Light(light.kind, light.vector * flip, light.size) for light in case.lights]
@@ -299,7 +304,7 @@ def test_a_mirror_image_sparkles_alike(case: Case, axis: int) -> None:
     assert_same(found, case.evaluate())
 
 
-@given(cases(), COORDINATES)
+@given(cases().map(even), COORDINATES)
 def test_a_sun_shines_alike_everywhere(case: Case, place: tuple[float, ...]) -> None:
     suns = [light for light in case.lights if light.kind == core.LightKind.parallel]
     lit = Case(case.paint, suns, case.places, case.precision)
@@ -307,7 +312,7 @@ def test_a_sun_shines_alike_everywhere(case: Case, place: tuple[float, ...]) -> 
     assert_same(lit.evaluate(position=elsewhere), lit.evaluate())
 
 
-@given(cases(("double",)), st.integers(-8, 8))
+@given(cases(("double",)).map(even), st.integers(-8, 8))
 def test_the_scene_may_be_in_any_unit(case: Case, exponent: int) -> None:
     """Powers of two round nothing but subnormal numbers."""
     factor = 2.0**exponent
