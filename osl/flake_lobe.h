@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The flakes under light that is no sparkling one: random flakes for each sample, whose mirror directions are followed.
+// The flakes under light that is no sparkling one: a random flake for each sample, whose mirror direction is followed.
 // See core/flake_lobe.h for the weight and the cones.
 #pragma once
 
