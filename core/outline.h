@@ -66,7 +66,8 @@ Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, 
 }
 
 // By how much more flakes mirror it than lie in the cap of sin^2(rho/2) about beta; in float 1
-// where neither has any.
+// where neither has any. Where few flakes are, the quotient of their tails says nothing: within a
+// factor of 2 the cap is trusted.
 template <class D>
 Wide<D> outline_factor(const OrientationDensity<D>& density, const Outline<D>& outline,
                        Wide<D> middle, Wide<D> sin2_half_rho) {
@@ -88,7 +89,7 @@ Wide<D> outline_factor(const OrientationDensity<D>& density, const Outline<D>& o
     even = even + orientation_density(density, max(aside - along, T(0)));
   }
   if (!(even > 0)) return 1;
-  return found / (T(0.25) * even);
+  return clamp(found / (T(0.25) * even), T(0.5), T(2));
 }
 
 }  // namespace metallic_paint

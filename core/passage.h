@@ -94,7 +94,8 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
   if (point.bends) {
     const W cosine = max(dot(Vec3<W>(point.wave), light.direction), W(0));
     const W g = eta_cos_refracted(cosine, eta);
-    way.open = cosine > 0 && g > 0;  // the wave neither turns its back on the light nor mirrors all
+    // The light is above the surface, and the wave neither turns its back on it nor mirrors all.
+    way.open = cosine > 0 && g > 0 && dot(Vec3<W>(point.normal), light.direction) > W(kLeastCosine);
     if (!way.open) return way;
     way.ratio = solid_angle_ratio(cosine, g, eta);
   }

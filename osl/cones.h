@@ -97,20 +97,23 @@ closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
 {
   closure color shown = 0;
   float left = 1.0;  // of the mirror
-  int last = -1;
+  int shows[8];
   vector mirrored = n * (2.0 * inner_product(n, view)) - view;
   for (int i = 0; i < lights; ++i) {
+    shows[i] = 0;
     float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
     if (radiance > 0.0 && seen[i].breadth == 0.0) {
       float rho = angle_of_half_chord(sqrt(seen[i].sin2_half_radius)) + CONE_MARGIN;
       vector off = mirrored - seen[i].direction;
-      float apart = M_PI;
-      if (last >= 0)
-        apart = angle_between(seen[i], seen[last]) - angle_of_half_chord(sqrt(seen[last].sin2_half_radius));
-      if (apart > rho) {
+      int alone = 1;
+      for (int k = 0; k < i; ++k) {
+        if (shows[k] && angle_between(seen[i], seen[k]) - angle_of_half_chord(sqrt(seen[k].sin2_half_radius)) <= rho)
+          alone = 0;
+      }
+      if (alone) {
+        shows[i] = 1;
         shown = shown + sparkle_cone(color(radiance), view, seen[i].direction, rho, 0.0);
         left = left - radiance * cone_solid_angle(rho);
-        last = i;
       }
       // A ray there would meet the light a second time.
       if (inner_product(off, off) < rho * rho)

@@ -8,6 +8,7 @@ struct Pixel {
   int y;
   float area;  // on the surface, scene units squared
   point raster;
+  int projects;  // whether that is the place in the picture: of a camera's ray, and no panorama
 };
 
 int pixel_coordinate(float raster)
@@ -49,6 +50,7 @@ Pixel find_pixel(point position, vector n, vector view)
     if (fabs(behind[0] - pixel.raster[0]) < 0.1 * x && fabs(behind[1] - pixel.raster[1]) < 0.1 * y)
       exact = facing_area(towards, x / h, y / h);
   }
+  pixel.projects = exact > 0.0;
   pixel.area = surface_area(exact, length(cross(Dx(position), Dy(position))), max(dot(n, view), 1e-6));
   return pixel;
 }

@@ -72,5 +72,5 @@ float outline_factor(OrientationDensity density, Outline outline, float middle, 
     even = even + orientation_density(density, max(aside - along, 0.0));
   if (!(even > 0.0))
     return 1.0;
-  return found / (0.25 * even);
+  return clamp(found / (0.25 * even), 0.5, 2.0);
 }

@@ -78,7 +78,7 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
   if (surface.bends) {
     float cosine = max(inner_product(surface.wave, light.direction), 0.0);
     float g = eta_cos_refracted(cosine, eta);
-    way.open = cosine > 0.0 && g > 0.0;
+    way.open = cosine > 0.0 && g > 0.0 && inner_product(surface.n, light.direction) > LEAST_COSINE;
     if (!way.open)
       return way;
     way.ratio = solid_angle_ratio(cosine, g, eta);

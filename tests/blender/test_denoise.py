@@ -444,6 +444,6 @@ def test_the_sun_of_a_world_is_told_of() -> None:
     scene = build()
     scenes.sky(50, 110)(scene)
     said = "\n".join(denoise.set_up(scene))
-    assert "Sparkles of the sun of World are denoised" in said
+    assert f"Sparkles of the sun of {scene.world.name} are denoised" in said
     scene.world.node_tree.nodes["Sky Texture"].sun_disc = False
     assert "Sparkles of the sun" not in "\n".join(denoise.set_up(scene))

@@ -387,8 +387,8 @@ def node_group() -> bpy.types.ShaderNodeTree:
     text = shader.source()
     if own := _own_group((VERSION, digest(text))):
         return own
-    if _is_in_library(text):
-        return _from_library()
+    if kept := _from_library(text):
+        return kept
     if not has_osl():
         raise shader.CompileError(NO_OSL)
     group = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
@@ -402,16 +402,20 @@ def node_group() -> bpy.types.ShaderNodeTree:
     return group
 
 
-def _is_in_library(source: str) -> bool:
+def _from_library(source: str) -> bpy.types.ShaderNodeTree | None:
+    """The group, compiled: sooner than it is made, and in a Blender without a compiler too.
+
+    None where the library has another shader or cannot be read.
+    """
     kept = shader.LIBRARY.with_suffix(shader.DIGEST)
-    return kept.is_file() and kept.read_text(encoding="ascii") == digest(source)
-
-
-def _from_library() -> bpy.types.ShaderNodeTree:
-    """The group, compiled: sooner than it is made, and in a Blender without a compiler too."""
     opened: Any = bpy.data.libraries.load  # the stubs have it return nothing
-    with opened(str(shader.LIBRARY), link=False) as (_, into):
-        into.node_groups = [NAME]
+    try:
+        if kept.read_text(encoding="ascii") != digest(source):
+            return None
+        with opened(str(shader.LIBRARY), link=False) as (_, into):
+            into.node_groups = [NAME]
+    except OSError:
+        return None
     [group] = into.node_groups
     return group
 

@@ -346,11 +346,13 @@ def renew(slot: int, light: Placed) -> None:
 
     Numbers change where they stand: Blender may call from the thread that renders.
     """
-    tree = only()
+    [tree, *_] = all_of_file()
     kind = KINDS[light.lamp.data.type]
     new = {_facing_name(slot): (*facing_of(light), float(kind))}
     new |= dict.fromkeys(_names(slot, kind), numbers_of(light))
     for name, numbers in new.items():
+        if name not in tree:
+            continue  # the lamp has become another kind: the next fit tells
         for i, number in enumerate(numbers):
             if tree[name][i] != number:
                 tree[name][i] = number
