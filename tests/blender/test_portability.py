@@ -124,7 +124,7 @@ def test_another_blender_renders_the_same_picture(tmp_path: Path) -> None:
     for blender in blenders:
         for here, there in zip(pictures, rendered_there(blender, file, tmp_path), strict=True):
             off = np.abs(there - here).max(axis=-1) / here.max()
-            # Cycles rounds elsewhere; seen 1e-6. In the worst pixel a flake falls on the other side of
-            # a cone's edge: seen 6e-4 with three flakes a sample, 1e-2 with one, which shows all.
+            # Cycles rounds elsewhere; seen 1e-6. In the worst pixel a flake falls on the other side
+            # of a cone's edge: seen 6e-4 with three flakes a sample, 1e-2 with one.
             assert np.quantile(off, 0.99) < 1e-5
             assert off.max() < 3e-2
