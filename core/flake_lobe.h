@@ -12,6 +12,7 @@
 #include "close_up.h"
 #include "hot_spot.h"
 #include "layer.h"
+#include "smooth_part.h"
 
 namespace metallic_paint {
 
@@ -44,6 +45,17 @@ inline constexpr double kToHorizon = 0.1;
 inline constexpr double kLobeSpread = 0.33;
 inline constexpr double kWidestLobe = 0.1;
 
+// As `sample_tilt`, but the share of flakes that is tilted more is u^2 in place of u: hence a
+// weight of 2 u.
+template <class T>
+SampledTilt<T> sample_steep_tilt(const OrientationDensity<T>& density, T u) {
+  const T steeper = u * u;
+  SampledTilt<T> tilt = sample_tilt(
+      density, inside_unit(density.kind == Orientation::beckmann ? steeper : 1 - steeper));
+  tilt.weight = tilt.weight * (2 * u);
+  return tilt;
+}
+
 template <class T>
 struct MirroredSample {
   Vec3<T> direction;        // outside, unit, away from the surface
@@ -52,6 +64,8 @@ struct MirroredSample {
   T variance{};             // t; 0 where there is no wide cone
   Vec3<T> drift{};          // t grad ln g
   T along = 1, across = 1;  // sqrt(var(c)/t) in the plane of the normal and across it
+  T density{};              // that drew it, 1/sr; 0 of a flake that is seen close up
+  int species{};
 };
 
 // A flake's species is drawn by covered area, its normal m from p. The mirror law takes m to the
@@ -68,11 +82,12 @@ struct MirroredSample {
 // the tilt: under the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
 // Of a species that is seen close up the flake is the one that the sample sees (`firsts`, one for
 // each species), or none; drawn with the probability of its species' share of the covered area.
-// u and w are uniform deviates in (0, 1). Blender has the same mean but not the same bits: OSL's
-// own sin and cos place the azimuth.
+// Beside a smooth part (smooth_part.h), which leaves little of the others, `steep` flakes are drawn
+// more often. u and w are uniform deviates in (0, 1). Blender has the same mean but not the same
+// bits: OSL's own sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w,
-                               const FirstFlake<T>* firsts = nullptr) {
+                               const FirstFlake<T>* firsts = nullptr, bool steep = false) {
   MirroredSample<T> sample{normal};
   const T eta = layer.eta;
   const T cos_view = min(dot(normal, view), T(1));
@@ -90,6 +105,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     ++i;
   }
   const Flakes<T>& flakes = layer.flakes[i];
+  sample.species = static_cast<int>(i);
   const FirstFlake<T> first = firsts != nullptr ? firsts[i] : FirstFlake<T>{};
   if (first.close && !first.seen) return sample;
   Vec3<T> m = first.normal;
@@ -99,7 +115,8 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.spread = min(eta * sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
   } else {
     const T rest = layer.species > 1 ? inside_unit(at / max(flakes.coverage, T(1e-30))) : u;
-    tilt = sample_tilt(flakes.orientation, rest);
+    tilt =
+        steep ? sample_steep_tilt(flakes.orientation, rest) : sample_tilt(flakes.orientation, rest);
     sample.spread = min(T(kLobeSpread) * (eta * flakes.orientation.tilt), T(kWidestLobe));
     const T h = tilt.sin2_half_beta;
     const T sin_beta = 2 * sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
@@ -140,6 +157,9 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.weight = reflectance *
                     map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) *
                     (through * tilt.weight * cos_alpha);
+    const T p = orientation_density(flakes.orientation, tilt.sin2_half_beta) / tilt.weight;
+    sample.density = p * cos_light * flakes.coverage /
+                     (8 * std::numbers::pi_v<T> * cos_alpha * eta * g_light * layer.coverage);
     const T turned = 2 * eta * cos_view_in;
     const T most = min(T(kWidestDeviation), T(kToHorizon) * cos_view);
     sample.variance =
@@ -156,6 +176,26 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.across = sqrt(max(1 - bend * across_turn * across_turn, T(0)));
   }
   return sample;
+}
+
+// What it shows beside the smooth part of its species. A small share of it, or less than nothing,
+// is given to that lobe instead: all light together stays.
+inline constexpr double kGivenToLobe = 0.05;
+
+template <class T>
+struct Beside {
+  Rgb<T> left{}, given{};
+};
+
+template <class T>
+Beside<T> beside(const MirroredSample<T>& sample, const SmoothPart<T>& part, Vec3<T> view) {
+  if (!(sample.density > 0)) return {sample.weight};
+  const T smooth = facets_show(part, view, sample.direction) / sample.density;
+  const Rgb<T> all = sample.weight - part.weight * smooth;
+  const auto left = [](T rest, T whole) { return rest > T(kGivenToLobe) * whole ? rest : T(0); };
+  const Rgb<T> flakes{left(all.x, sample.weight.x), left(all.y, sample.weight.y),
+                      left(all.z, sample.weight.z)};
+  return {flakes, all - flakes};
 }
 
 template <class T>

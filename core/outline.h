@@ -28,15 +28,10 @@ struct Outline {
 };
 
 // A disc's mean square off its middle is a quarter of the radius squared along each axis: that of
-// four places at radius/sqrt(2). Seen from a distance of 1 a place at q shows cos/q^3 of its area.
+// four places at radius/sqrt(2).
 template <class T>
-Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, Wide<T> inside,
-                      Vec3<Wide<T>> normal, Vec3<Wide<T>> view, Wide<T> eta) {
+std::array<Vec3<Wide<T>>, 4> points_within(const SeenLight<T>& light) {
   using W = Wide<T>;
-  Outline<T> outline;
-  if (!(light.radius > 0)) return outline;
-  outline.given = true;
-  outline.inside = inside;
   // Two axes across its normal (Duff et al. 2017).
   const Vec3<W> m = light.facing;
   const W sign = m.z < 0 ? W(-1) : W(1);
@@ -45,15 +40,27 @@ Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, 
   const W off = W(0.707106781186547524401L) * light.radius;
   const Vec3<W> u = Vec3<W>{1 + sign * m.x * m.x * a, sign * b, -(sign * m.x)} * off;
   const Vec3<W> v = Vec3<W>{b, sign + m.y * m.y * a, -m.y} * off;
+  const Vec3<W> middle = light.direction;
+  return {middle + u, middle - u, middle + v, middle - v};
+}
+
+// Seen from a distance of 1 a place at q shows cos/q^3 of its area.
+template <class T>
+Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, Wide<T> inside,
+                      Vec3<Wide<T>> normal, Vec3<Wide<T>> view, Wide<T> eta) {
+  using W = Wide<T>;
+  Outline<T> outline;
+  if (!(light.radius > 0)) return outline;
+  outline.given = true;
+  outline.inside = inside;
+  const std::array<Vec3<W>, 4> at = points_within(light);
   W seen = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Vec3<W> to = i < 2 ? u : v;
-    const Vec3<W> at = light.direction + to * W(i == 0 || i == 2 ? 1 : -1);
-    const W square = dot(at, at);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const W square = dot(at[i], at[i]);
     const W distance = sqrt(square);
     const W share = 1 / (square * distance);
     seen = seen + share;
-    const Mirror<W> mirror = mirror_between(normal, view, at * (1 / distance), eta);
+    const Mirror<W> mirror = mirror_between(normal, view, at[i] * (1 / distance), eta);
     if (!mirror.possible) continue;
     outline.sin2_half_beta[i] = mirror.sin2_half_beta;
     outline.weight[i] =
@@ -61,7 +68,7 @@ Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, 
   }
   const W whole =
       seen * solid_angle_ratio(middle.cos_light, middle.g_light, eta) / middle.cos_alpha;
-  for (int i = 0; i < 4; ++i) outline.weight[i] = outline.weight[i] / whole;
+  for (std::size_t i = 0; i < 4; ++i) outline.weight[i] = outline.weight[i] / whole;
   return outline;
 }
 

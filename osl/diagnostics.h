@@ -52,17 +52,17 @@ int is_sound(color x)
   closure color irradiance = 0;
 
 #define DIAGNOSE_LIGHT \
-  all_sound = all_sound && is_sound(drawn.mean_count) && is_sound(drawn.mean_radiance) && is_sound(drawn.count) && \
-              is_sound(drawn.radiance) && is_sound(rho); \
+  all_sound = all_sound && is_sound(drawn[i].mean_count) && is_sound(drawn[i].mean_radiance) && is_sound(drawn[i].count) && \
+              is_sound(drawn[i].radiance) && is_sound(rho); \
   if (slot[i] == DiagnosticLight - 1) { \
     if (Diagnostic == SHOW_COUNT) \
-      Shown = color(drawn.count); \
+      Shown = color(drawn[i].count); \
     else if (Diagnostic == SHOW_MEAN_COUNT) \
-      Shown = color(drawn.mean_count); \
+      Shown = color(drawn[i].mean_count); \
     else if (Diagnostic == SHOW_RADIANCE) \
-      Shown = drawn.radiance; \
+      Shown = drawn[i].radiance; \
     else if (Diagnostic == SHOW_MEAN_RADIANCE) \
-      Shown = drawn.mean_radiance; \
+      Shown = drawn[i].mean_radiance; \
     else if (Diagnostic == SHOW_CONE) \
       Shown = color(cone_solid_angle(rho)); \
     irradiance = sparkle_cone(color(1.0), view, seen[i].direction, cone_half_angle(1.0, least, most), \

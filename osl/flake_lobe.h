@@ -6,12 +6,14 @@
 
 #include "close_up.h"
 #include "passage.h"
+#include "smooth_part.h"
 
 #define WIDE_SHARE 0.15
 #define WIDEST_DEVIATION 0.2
 #define TO_HORIZON 0.1
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
+#define GIVEN_TO_LOBE 0.05
 
 struct MirroredSample {
   vector direction;
@@ -21,6 +23,8 @@ struct MirroredSample {
   vector drift;
   float along;
   float across;
+  float density;
+  int species;
   float turned;  // 2 eta tilt of its species, which tells what of an area light sparkles
 };
 
@@ -30,7 +34,7 @@ float inside_unit(float x)
 }
 
 MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
-                            FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth)
+                            FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth, int steep)
 {
   MirroredSample mirrored;
   mirrored.direction = surface.n;
@@ -40,6 +44,8 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   mirrored.drift = vector(0.0);
   mirrored.along = 1.0;
   mirrored.across = 1.0;
+  mirrored.density = 0.0;
+  mirrored.species = 0;
   mirrored.turned = 1.0;
   vector n = surface.n;
   vector view = surface.below;
@@ -65,6 +71,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
   }
   Flakes some = flakes_of(layer, flakes, kind);
+  mirrored.species = kind;
   mirrored.turned = 2.0 * eta * some.orientation.tilt;
   FirstFlake first = firsts[kind];
   if (first.close && !first.seen)
@@ -76,8 +83,16 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.spread = min(eta * sqrt(some.solid_angle / M_PI), WIDEST_LOBE);
   }
   else {
-    SampledTilt tilt = sample_tilt(some.orientation, rest);
-    tilt_weight = tilt.weight;
+    float drawn = rest;
+    if (steep) {
+      drawn = rest * rest;
+      tilt_weight = 2.0 * rest;
+      if (some.orientation.kind != ORIENTATION_BECKMANN)
+        drawn = 1.0 - drawn;
+      drawn = inside_unit(drawn);
+    }
+    SampledTilt tilt = sample_tilt(some.orientation, drawn);
+    tilt_weight = tilt.weight * tilt_weight;
     mirrored.spread = min(LOBE_SPREAD * (eta * some.orientation.tilt), WIDEST_LOBE);
     h = tilt.sin2_half_beta;
     float sin_beta = 2.0 * sqrt(h * (1.0 - h));
@@ -121,6 +136,8 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.weight = shown_by(first, reflectance, slant) * (through * cos_view_in * (layer.coverage / some.coverage));
   else {
     mirrored.weight = reflectance * (layer.coverage * mean_transmittance(slant)) * (through * tilt_weight * cos_alpha);
+    float p = orientation_density(some.orientation, h) / tilt_weight;
+    mirrored.density = p * cos_light * some.coverage / (8.0 * M_PI * cos_alpha * eta * g_light * layer.coverage);
     float turned = 2.0 * eta * cos_view_in;
     float most = min(WIDEST_DEVIATION, TO_HORIZON * cos_view);
     mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
@@ -136,6 +153,26 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.across = sqrt(max(1.0 - bend * across_turn * across_turn, 0.0));
   }
   return mirrored;
+}
+
+struct Beside {
+  color left;
+  color given;
+};
+
+Beside beside(MirroredSample mirrored, SmoothPart part, vector view)
+{
+  Beside found;
+  found.left = mirrored.weight;
+  found.given = color(0.0);
+  if (!(mirrored.density > 0.0))
+    return found;
+  float smooth = facets_show(part, view, mirrored.direction) / mirrored.density;
+  color all = mirrored.weight - part.weight * smooth;
+  for (int c = 0; c < 3; ++c)
+    found.left[c] = all[c] > GIVEN_TO_LOBE * mirrored.weight[c] ? all[c] : 0.0;
+  found.given = all - found.left;
+  return found;
 }
 
 struct LobeCone {

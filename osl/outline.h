@@ -14,11 +14,8 @@ struct Outline {
   float inside;
 };
 
-Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vector view, float eta)
+void points_within(SeenLight light, output vector at[4])
 {
-  Outline outline;
-  outline.given = 1;
-  outline.inside = inside;
   vector m = light.facing;
   float sign = m[2] < 0.0 ? -1.0 : 1.0;
   float a = -1.0 / (sign + m[2]);
@@ -26,22 +23,28 @@ Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vecto
   float off = 0.707106781186547524401 * light.radius;
   vector u = vector(1.0 + sign * m[0] * m[0] * a, sign * b, -(sign * m[0])) * off;
   vector v = vector(b, sign + m[1] * m[1] * a, -m[1]) * off;
+  at[0] = light.direction + u;
+  at[1] = light.direction - u;
+  at[2] = light.direction + v;
+  at[3] = light.direction - v;
+}
+
+Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vector view, float eta)
+{
+  Outline outline;
+  outline.given = 1;
+  outline.inside = inside;
+  vector at[4];
+  points_within(light, at);
   float seen = 0.0;
   for (int i = 0; i < 4; ++i) {
-    vector to = v;
-    if (i < 2)
-      to = u;
-    float side = -1.0;
-    if (i == 0 || i == 2)
-      side = 1.0;
-    vector at = light.direction + to * side;
-    float square = inner_product(at, at);
+    float square = inner_product(at[i], at[i]);
     float distance = sqrt(square);
     float share = 1.0 / (square * distance);
     seen = seen + share;
     outline.sin2_half_beta[i] = 0.0;
     outline.weight[i] = 0.0;
-    Mirror mirror = mirror_between(n, view, at * (1.0 / distance), eta);
+    Mirror mirror = mirror_between(n, view, at[i] * (1.0 / distance), eta);
     if (mirror.possible) {
       outline.sin2_half_beta[i] = mirror.sin2_half_beta;
       outline.weight[i] = share * solid_angle_ratio(mirror.cos_light, mirror.g_light, eta) / mirror.cos_alpha;

@@ -267,7 +267,7 @@ ParityScene random_scene(Random& random) {
 // How often the scenes came to what is rare.
 struct Visits {
   long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, wide = 0,
-       grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
+       smooth = 0, grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -488,16 +488,55 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const HashWords words =
       draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
   const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
+  const bool steep = point.pixel_x % 2 != 0;
   const auto shader_sample = osl::sample_flake(shader_layer, shader_flakes, library, surface,
-                                               shader_firsts, osl::inside_unit(u), w);
+                                               shader_firsts, osl::inside_unit(u), w, steep);
   const MirroredSample<float> sample =
-      sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data());
+      sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data(), steep);
   same("sample's weight", shader_sample.weight, sample.weight);
   same("sample's spread", shader_sample.spread, sample.spread);
   if (max_component(sample.weight) > 0) {
     ++visits.sampled;
     same("sample's direction", shader_sample.direction, sample.direction);
     same("sample's variance", shader_sample.variance, sample.variance);
+    same("sample's density", shader_sample.density, sample.density);
+    same("sample's species", shader_sample.species, sample.species);
+    if (!surface.bends) {
+      const auto species = static_cast<std::size_t>(sample.species);
+      const auto shader_part =
+          osl::smooth_part(shader_layer, shader_flakes[species], shader_flakes, library, surface);
+      const SmoothPart<float> part =
+          smooth_part(layer, layer.flakes[species], point.normal, point.view);
+      same("smooth part's weight", shader_part.weight, part.weight);
+      if (max_component(part.weight) > 0) {
+        ++visits.smooth;
+        same("smooth part's normal", shader_part.facing, part.normal);
+        same("smooth part's direction", shader_part.along, part.along);
+        same("smooth part's alphas", osl::vector(shader_part.alpha_x, shader_part.alpha_y, 0),
+             {part.alpha_x, part.alpha_y, 0});
+        std::array<SmoothPart<float>, kSpecies> parts;
+        std::array<osl::SmoothPart, kSpecies> shader_parts;
+        parts.fill(part);
+        shader_parts.fill(shader_part);
+        for (int i = 0; i < lights; ++i) {
+          const auto at = static_cast<std::size_t>(i);
+          const Rgb<float> lobes = smooth_sparkles(layer, parts.data(), point.view,
+                                                   slots.seen[static_cast<std::size_t>(slot[at])]);
+          same("the lobes' part of sparkles",
+               osl::smooth_sparkles(shader_layer, shader_flakes, shader_parts, surface.view,
+                                    seen[at], 1),
+               lobes);
+          const Rgb<float> some = lobes * 0.5f, around = grey(lobes.x);
+          same("what of the lobes may be shown",
+               osl::may_show(to_osl(lobes), to_osl(some), to_osl(around)),
+               may_show(lobes, some, around));
+        }
+        const auto shader_beside = osl::beside(shader_sample, shader_part, to_osl(point.view));
+        const Beside<float> expected = beside(sample, part, point.view);
+        same("what is left beside it", shader_beside.left, expected.left);
+        same("what the lobe is given", shader_beside.given, expected.given);
+      }
+    }
     same("sample's drift", shader_sample.drift, sample.drift);
     same("sample's deviations", osl::vector(shader_sample.along, shader_sample.across, 0),
          {sample.along, sample.across, 0});
@@ -535,8 +574,8 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   // No branch is left out because the scenes never go there.
   for (const long visited :
        {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
-        visits.wide, visits.grazed, visits.close, visits.covered, visits.lit, visits.melting,
-        visits.melted, visits.bent}) {
+        visits.wide, visits.smooth, visits.grazed, visits.close, visits.covered, visits.lit,
+        visits.melting, visits.melted, visits.bent}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }

@@ -33,7 +33,8 @@ VERSION = 5  # of its nodes
 _LEAST_VERSION = 4  # with these outputs: paints of an older one keep the group they came with
 SLOTS = carrier.SLOTS
 METERS_PER_UNIT = "MetersPerUnit"
-OTHER_LIGHT = "OtherLight"  # 1: the flakes also show other light than the slots'
+# 1: the flakes also show other light than the slots'; 2: of lamps too, which need a smooth lobe
+OTHER_LIGHT = "OtherLight"
 
 # Custom properties of the group: its version, its file's number, which a float holds, and whether
 # it looks at the scene.
@@ -212,10 +213,11 @@ def why_not(light: bpy.types.Object) -> str:
     return ""
 
 
-def show_other_light(needed: bool) -> None:
-    """Whether the flakes show light from elsewhere than the slots; in a new file they do."""
+def show_other_light(needed: bool, of_lamps: bool = False) -> None:
+    """Whether the flakes show light from elsewhere than the slots, in a new file they do; and
+    whether some of it comes from lamps, which random flakes alone show with much noise."""
     group = node_group()
-    _set(group, OTHER_LIGHT, float(needed))
+    _set(group, OTHER_LIGHT, 2.0 if needed and of_lamps else float(needed))
     _tell_scenes(group)
 
 

@@ -31,6 +31,11 @@ _DARK_NODES = {
 _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 _SCENE = "metallic_paint_scene"
 
+_WITHOUT_SLOT = "lights without a slot"
+_WIDE = "area lights where they look wide"
+_EMITTERS = "objects that may emit"
+_LAMPS = {_WITHOUT_SLOT, _WIDE, _EMITTERS}
+
 _state = {"fitting": False}
 
 
@@ -88,7 +93,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
         report = lights.fill(scene)
         other_light = tuple(_other_light(scene, report))
         needs = Needs(report, other_light, library=lights.why_library())
-        lights.show_other_light(bool(needs.other_light))
+        lights.show_other_light(bool(needs.other_light), of_lamps=not _LAMPS.isdisjoint(other_light))
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -225,11 +230,11 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
         yield "the world"
     lamps = _lamps(things)
     if report.without or any(lamp not in report.slots for lamp in lamps):
-        yield "lights without a slot"
+        yield _WITHOUT_SLOT
     if any(lamp.data.type == "AREA" for lamp in report.slots):
-        yield "area lights where they look wide"
+        yield _WIDE
     if any(map(_may_emit, shapes)):
-        yield "objects that may emit"
+        yield _EMITTERS
     if any(map(_may_hold_a_volume, shapes)):
         yield "volumes"
     if _bounces(scene) > 0 and shapes:

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What flakes mirror of other light, as far as a lobe of microfacets shows it.
+//
+// Random flakes (flake_lobe.h) are noise: of a wide lamp a renderer sees what one of their cones
+// holds. A lobe g of microfacets it samples evenly and by its lamps. So
+//   f cos(theta') = g + (f cos(theta') - g):
+// microfacets show g, and what a random flake shows is less by g over the density that drew it.
+// Where that is less than nothing, g itself is less by as much: so all light together stays
+// what it was, whatever g is, and only where g passes f some of it comes from a direction too near.
+//
+// Of the half vector h of view and light the slope to the surface is (v + l)_t/(cos + cos'), and
+// that of the flake which mirrors them (v + l)_t/(g + g'), g = eta cos(theta_p). Near the mirror
+// direction, where cos' = cos, facets of alpha0^2 = 2 var g^2/cos^2 mirror as the flakes do
+// (`core_variance`). (1 - r') cos' falls to the horizon as cos'^2, hence in the plane of view by
+// (x/cos)^2 and 2 x tan(theta), x from the mirror direction: the facets' normal turns from the
+// horizon, and alpha is smaller. From that first guess the lobe is fitted to f by a Newton step:
+// the logarithm of f over g's other factors is taken for a parabola through its middle and a point
+// on each side.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "hot_spot.h"
+#include "layer.h"
+#include "light.h"
+#include "outline.h"
+
+namespace metallic_paint {
+
+template <class T>
+struct SmoothPart {
+  Vec3<T> normal{}, along{};  // of the facets, and the direction of alpha_x
+  T alpha_x{}, alpha_y{};
+  Rgb<T> weight{};  // of the lobe; 0: there is none
+};
+
+// Smith's Lambda of Beckmann's facets by (alpha tan(theta))^2, in the approximation of Walter
+// (2007) that Cycles has.
+template <class T>
+T masking_lambda(T square) {
+  if (square < T(0.39)) return 0;
+  const T a = 1 / sqrt(square);
+  return ((T(0.396) * a - T(1.259)) * a + 1) / ((T(2.181) * a + T(3.535)) * a);
+}
+
+// BRDF times cos(theta') of facets that reflect all, as Cycles evaluates them.
+template <class T>
+T facets_show(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
+  const Vec3<T> across = cross(part.normal, part.along);
+  const T view_z = dot(view, part.normal), light_z = dot(light, part.normal);
+  if (!(view_z > 0 && light_z > 0)) return 0;
+  const T view_x = dot(view, part.along) * part.alpha_x, view_y = dot(view, across) * part.alpha_y;
+  const T light_x = dot(light, part.along) * part.alpha_x,
+          light_y = dot(light, across) * part.alpha_y;
+  const T area = part.alpha_x * part.alpha_y;
+  const T half_z = view_z + light_z;
+  const T x = (view_x + light_x) / (part.alpha_x * part.alpha_x * half_z);
+  const T y = (view_y + light_y) / (part.alpha_y * part.alpha_y * half_z);
+  const Vec3<T> half = view + light;
+  const T cos2 = half_z * half_z / dot(half, half);
+  const T masked = 1 + masking_lambda((view_x * view_x + view_y * view_y) / (view_z * view_z)) +
+                   masking_lambda((light_x * light_x + light_y * light_y) / (light_z * light_z));
+  return exponential(-(x * x + y * y)) /
+         (std::numbers::pi_v<T> * area * cos2 * cos2 * masked * 4 * view_z);
+}
+
+// f cos(theta') of one species (flake_brdf.h). Optical depths: towards the observer, and of the way
+// out at cos = 1, which stands for that at any angle.
+template <class T>
+Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal, Vec3<T> view,
+                   Vec3<T> light, Rgb<T> slant_view, Rgb<T> depth) {
+  const Mirror<T> mirror = mirror_between(normal, view, light, layer.eta);
+  if (!mirror.possible) return {};
+  const T apart = ways_apart(normal, view, mirror.cos_view, mirror.g_view, light, mirror.cos_light,
+                             mirror.g_light);
+  const Rgb<T> slant =
+      there_and_back(layer, slant_view, depth * (layer.eta / mirror.g_light), apart);
+  const T exit =
+      layer.radiometry == Radiometry::published ? layer.eta * mirror.cos_view : mirror.g_view;
+  const T surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, layer.eta) *
+                    fresnel_transmittance(mirror.cos_light, mirror.g_light, layer.eta);
+  return coating_reflectance(flakes.coating, mirror.cos_alpha) *
+         map(slant, [](T x) { return mean_transmittance(x); }) *
+         (flakes.coverage * orientation_density(flakes.orientation, mirror.sin2_half_beta) *
+          surface * mirror.cos_light / (8 * std::numbers::pi_v<T> * exit * mirror.g_light));
+}
+
+// Facets whose normal has the slope towards the observer.
+template <class T>
+SmoothPart<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
+  const T cosine = 1 / sqrt(1 + slope * slope);
+  return {(normal + towards * slope) * cosine, (towards - normal * slope) * cosine,
+          clamp(sqrt(x2), T(1e-3), T(1)), clamp(sqrt(y2), T(1e-3), T(1))};
+}
+
+// Chosen over random paints, for the largest lobe that passes f by 1 % of its light in the median
+// (worst colour; tests/core/smooth_part_test.cpp): how far g may reach up to f in the middle, and
+// on the sides; and what more of y^2 is right for GGX, whose long tail the core's variance leaves
+// out.
+inline constexpr double kHeight = 0.98, kHeightAside = 1.078;
+// Nearer to the horizon f has no lobe that facets resemble.
+inline constexpr double kLeastSmooth = 0.2;
+
+template <class T>
+SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
+                          Vec3<T> view) {
+  const T cos_view = min(dot(normal, view), T(1));
+  if (!(cos_view > T(kLeastSmooth)) || !(flakes.coverage > 0)) return {};
+  const T g_view = eta_cos_refracted(cos_view, layer.eta);
+
+  // The first guess.
+  Vec3<T> towards = abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
+  if (cos_view < T(0.999999)) towards = view;
+  towards = towards - normal * dot(normal, towards);
+  towards = towards / length(towards);
+  const T turned = g_view / cos_view;
+  const T square = 2 * core_variance(flakes.orientation) * turned * turned;
+  T x2 = square / (1 + T(1.44) * square / (cos_view * cos_view));
+  T y2 = square / (1 + T(2.73) * square);
+  T slope = T(1.07) * x2 * sqrt((1 - cos_view) * (1 + cos_view)) / cos_view;
+  SmoothPart<T> part = facets_at(normal, towards, slope, x2, y2);
+
+  // f in the middle and an alpha to each side, and over g.
+  const Rgb<T> slant_view = slant_depth_of(layer, min(g_view / layer.eta, T(1)));
+  Rgb<T> depth{};
+  const Vec3<T> across = cross(part.normal, part.along) * part.alpha_y;
+  Vec3<T> light[4];
+  Rgb<T> shown[4];
+  T ratio[4];
+  for (int i = 0; i < 4; ++i) {
+    Vec3<T> half = part.normal;
+    if (i == 1) half = half + part.along * part.alpha_x;
+    if (i == 2) half = half - part.along * part.alpha_x;
+    if (i == 3) half = half + across;
+    light[i] = half * (2 * dot(half, view) / dot(half, half)) - view;
+    if (i == 0) {
+      const T cos_light = min(dot(normal, light[0]), T(1));
+      if (!(cos_light > T(1e-3))) return {};
+      const T cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, T(1));
+      depth = slant_depth_of(layer, cos_light_in) * cos_light_in;
+    }
+    shown[i] = flakes_show(layer, flakes, normal, view, light[i], slant_view, depth);
+    ratio[i] =
+        (shown[i].x + shown[i].y + shown[i].z) / max(facets_show(part, view, light[i]), T(1e-30));
+    if (!(ratio[0] > 0)) return {};
+  }
+
+  // The Newton step; each fall is -ln of f over g's other factors.
+  const T near = 1 - logarithm(clamp(ratio[1] / ratio[0], T(1e-3), T(1e3)));
+  const T far = 1 - logarithm(clamp(ratio[2] / ratio[0], T(1e-3), T(1e3)));
+  const T both = near + far;
+  const T aside = (far - near) / (2 * max(both, T(0.4)));
+  slope = max(slope + part.alpha_x * clamp(aside, T(-0.7), T(0.7)), T(0));
+  x2 = x2 / clamp(both / 2, T(0.34), T(4));
+  y2 = y2 / clamp(1 - logarithm(clamp(ratio[3] / ratio[0], T(1e-3), T(1e3))), T(0.34), T(4));
+  part = facets_at(normal, towards, slope, x2, y2);
+
+  // As high as f lets it be.
+  part.weight = grey(T(1e30));
+  for (int i = 0; i < 4; ++i) {
+    const T facets = facets_show(part, view, light[i]);
+    if (facets > 0 && max_component(shown[i]) > 0) {
+      const T height = (i == 0 ? T(kHeight) : T(kHeightAside)) / facets;
+      const Rgb<T> most = shown[i] * height;
+      part.weight = {min(part.weight.x, most.x), min(part.weight.y, most.y),
+                     min(part.weight.z, most.z)};
+    }
+  }
+  if (!(part.weight.x < T(1e30))) part.weight = {};
+  return part;
+}
+
+// Listed lights shine on the lobes too. So what those show of a light is taken from its sparkles,
+// as far as it sparkles there; of a wide light the mean over `points_within`.
+template <class T>
+Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts, Vec3<T> view,
+                       const SeenLight<T>& light) {
+  std::array<Vec3<T>, 4> at{light.direction};
+  std::size_t points = 1;
+  if (light.radius > 0) {
+    const auto within = points_within(light);
+    for (std::size_t k = 0; k < 4; ++k) at[k] = Vec3<T>(within[k]);
+    points = 4;
+  }
+  Rgb<T> sum{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
+    T shown = 0, seen = 0;
+    for (std::size_t k = 0; k < points; ++k) {
+      const T square = dot(at[k], at[k]);
+      const T distance = sqrt(square);
+      const T part = 1 / (square * distance);
+      seen = seen + part;
+      shown = shown + part * facets_show(parts[i], view, at[k] * (1 / distance));
+    }
+    sum =
+        sum + parts[i].weight * (shown / seen *
+                                 sparkling_share(light.breadth, light.apart,
+                                                 2 * layer.eta * layer.flakes[i].orientation.tilt));
+  }
+  return sum;
+}
+
+// Where a pixel has fewer sparkles than the lobes show, these are lowered; where they show this
+// share of what the diffuse lobe does (`diffuse`), a light shown twice is not seen.
+inline constexpr double kShownTwice = 2e-3;
+
+// What of the lobes may be shown beside these sparkles of one light.
+template <class T>
+Rgb<T> may_show(Rgb<T> lobes, Rgb<T> sparkles, Rgb<T> diffuse) {
+  const auto share = [](T lobe, T sparkling, T around) {
+    return min((sparkling + around * T(kShownTwice)) / max(lobe, T(1e-30)), T(1));
+  };
+  return {share(lobes.x, sparkles.x, diffuse.x), share(lobes.y, sparkles.y, diffuse.y),
+          share(lobes.z, sparkles.z, diffuse.z)};
+}
+
+}  // namespace metallic_paint

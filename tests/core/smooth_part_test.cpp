@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A lobe of microfacets shows a part of what flakes mirror, and random flakes the rest.
+#include "smooth_part.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "flake_brdf.h"
+#include "flake_lobe.h"
+#include "scenes.h"
+#include "support.h"
+
+namespace {
+
+using namespace core_tests;
+
+struct Shares {
+  double shown = 0;   // of f cos(theta') by the lobe, of its worst colour
+  double beyond = 0;  // what the lobe shows too much, likewise
+};
+
+constexpr int kRings = 80;
+
+template <class Visit>
+void over_half_sphere(const Visit& visit) {
+  for (int a = 0; a < kRings; ++a) {
+    const double cosine = (a + 0.5) / kRings, sine = std::sqrt(1 - cosine * cosine);
+    for (int b = 0; b < 2 * kRings; ++b) {
+      const double phi = std::numbers::pi * (b + 0.5) / kRings;
+      visit(turned({sine * std::cos(phi), sine * std::sin(phi), cosine}), cosine);
+    }
+  }
+}
+
+// A paint of one species, seen from where it has a smooth part.
+TestScene smooth_scene(Random& random, Orientation orientation) {
+  TestScene scene;
+  do {
+    scene.paint = random_paint(random);
+    scene.paint.orientation = orientation;
+    aim(scene, random, 2);
+  } while (!(dot(scene.normal, scene.view) > kLeastSmooth));
+  return scene;
+}
+
+Shares shares(const TestScene& scene) {
+  const auto layer = scene.layer<double>();
+  const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
+  Rgb<double> all{}, shown{}, beyond{};
+  over_half_sphere([&](Vec3<double> light, double cosine) {
+    const Rgb<double> f = flake_brdf(layer, scene.normal, scene.view, light) * cosine;
+    const Rgb<double> g = part.weight * facets_show(part, scene.view, light);
+    all = all + f;
+    shown = shown + Rgb<double>{std::min(f.x, g.x), std::min(f.y, g.y), std::min(f.z, g.z)};
+    beyond = beyond + map(g - f, [](double x) { return std::max(x, 0.0); });
+  });
+  Shares found{1, 0};
+  const double sums[3][3] = {
+      {all.x, shown.x, beyond.x}, {all.y, shown.y, beyond.y}, {all.z, shown.z, beyond.z}};
+  for (const auto& [whole, by_lobe, too_much] : sums) {
+    if (!(whole > 0)) continue;
+    found.shown = std::min(found.shown, by_lobe / whole);
+    found.beyond = std::max(found.beyond, too_much / whole);
+  }
+  return found;
+}
+
+// Of 60 paints: the median of what the lobe shows, and of what it shows too much, the greatest too.
+void expect_shares(std::uint64_t stream, Orientation orientation, double shown, double beyond,
+                   double most) {
+  Random random = fresh(stream);
+  std::vector<double> all_shown, all_beyond;
+  Worst worst;
+  for (int k = 0; k < 60; ++k) {
+    const TestScene scene = smooth_scene(random, orientation);
+    const Shares found = shares(scene);
+    all_shown.push_back(found.shown);
+    all_beyond.push_back(found.beyond);
+    worst.see(found.beyond, "shown", found.shown, scene);
+  }
+  std::sort(all_shown.begin(), all_shown.end());
+  std::sort(all_beyond.begin(), all_beyond.end());
+  EXPECT_GT(all_shown[30], shown);
+  EXPECT_LT(all_beyond[30], beyond);
+  worst.expect_at_most(most);
+}
+
+// Above f it is where f bends: at the horizon, and for pearls, whose colour changes within it.
+TEST(SmoothPart, ShowsMostOfWhatGaussianFlakesMirrorAndHardlyMore) {
+  expect_shares(90, Orientation::gaussian, 0.7, 0.01, 0.1);
+}
+TEST(SmoothPart, ShowsMostOfWhatBeckmannsFlakesMirrorAndHardlyMore) {
+  expect_shares(91, Orientation::beckmann, 0.7, 0.01, 0.1);
+}
+TEST(SmoothPart, ShowsMuchOfWhatGgxFlakesMirrorAndHardlyMore) {
+  expect_shares(92, Orientation::ggx, 0.5, 0.02, 0.1);
+}
+
+// The lobe and what it leaves the flakes, over rings about the mirror direction.
+TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) {
+  Random random = fresh(93);
+  Worst worst;
+  constexpr int kScenes = 24, kSamples = 60'000;
+  const std::array<double, 5> edges{1.1, 0.97, 0.85, 0.5, -1.1};
+  const double threshold = sidak_threshold(kFreshLevel, kScenes * 4);
+  for (int k = 0; k < kScenes; ++k) {
+    const TestScene scene = smooth_scene(random, static_cast<Orientation>(k % 3));
+    const auto layer = scene.layer<double>();
+    const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
+    const Vec3<double> mirror = scene.normal * (2 * dot(scene.normal, scene.view)) - scene.view;
+    const auto ring_of = [&](Vec3<double> light) {
+      std::size_t ring = 0;
+      while (dot(light, mirror) <= edges[ring + 1]) ++ring;
+      return ring;
+    };
+    std::array<double, 4> exact{}, lobe{}, shape{}, sum{}, square{};
+    double given = 0;
+    over_half_sphere([&](Vec3<double> light, double cosine) {
+      const double area = std::numbers::pi / (kRings * kRings);
+      exact[ring_of(light)] += flake_brdf(layer, scene.normal, scene.view, light).y * cosine * area;
+      if (part.weight.y > 0) {
+        const double facets = facets_show(part, scene.view, light) * area;
+        lobe[ring_of(light)] += part.weight.y * facets;
+        shape[ring_of(light)] += facets;
+      }
+    });
+    for (int i = 0; i < kSamples; ++i) {
+      const auto sample =
+          sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
+                       random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
+      const Beside<double> found = beside(sample, part, scene.view);
+      const double left = found.left.y;
+      given += found.given.y / kSamples;
+      sum[ring_of(sample.direction)] += left / kSamples;
+      square[ring_of(sample.direction)] += left * left / kSamples;
+    }
+    for (std::size_t ring = 0; ring < 4; ++ring) lobe[ring] += given * shape[ring];
+    const double all = exact[0] + exact[1] + exact[2] + exact[3];
+    for (std::size_t ring = 0; ring < 4; ++ring) {
+      if (square[ring] * 100 > sum[ring] * sum[ring] * kSamples) continue;
+      // The rule's error, and what the lobe may show too much.
+      const double error = std::sqrt((square[ring] - sum[ring] * sum[ring]) / kSamples) +
+                           (4e-3 * exact[ring] + 0.012 * all) / threshold;
+      worst.see(std::fabs(lobe[ring] + sum[ring] - exact[ring]) / error, "ring", ring, "found",
+                lobe[ring] + sum[ring], "exact", exact[ring], scene);
+    }
+  }
+  worst.expect_at_most(threshold);
+}
+
+}  // namespace
