@@ -269,8 +269,8 @@ def macro(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
     aperture = 0.04 * 2 * distance / math.tan(slant)
     camera.dof.use_dof, camera.dof.focus_distance = True, distance
     camera.dof.aperture_fstop = camera.lens * 1e-3 / aperture
-    # Its image in the lacquer lies beside the picture. A flake that mirrors it is ten times as bright
-    # as the sky, not ten thousand times as with a sun: so blurred flakes have soft edges.
+    # Its image in the lacquer lies beside the picture. A flake that mirrors it is some ten times as
+    # bright as the sky, not ten thousand times as with a sun: so blurred flakes have soft edges.
     lamp = add_sun(scene, (0.2, 0.35, 0.9), 0.08)
     lamp.data.angle = math.radians(6)
     set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)

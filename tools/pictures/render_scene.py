@@ -243,7 +243,7 @@ def rendered(scene: bpy.types.Scene) -> list[bpy.types.Object]:
 def render(scene: bpy.types.Scene, pictures: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
     start = time.monotonic()
-    with _progress():
+    with _progress(", then denoising…" if scene.render.use_compositing else ""):
         report = take(scene)
     seconds = time.monotonic() - start
     _write(scene, pictures)
@@ -285,7 +285,7 @@ def _is_exr(file: Path) -> bool:
 
 
 @contextlib.contextmanager
-def _progress() -> Iterator[None]:
+def _progress(at_end: str) -> Iterator[None]:
     """Tells how far the render is: on a terminal in one line, else a line each tenth."""
     start = time.monotonic()
     live = _console.isatty()
@@ -302,6 +302,8 @@ def _progress() -> Iterator[None]:
         line = f"{percent:3} %, {elapsed:.0f} s"
         if 0 < done < 1:
             line += f", {elapsed / done - elapsed:.0f} s remain"
+        elif done == 1:
+            line += at_end
         _console.write(f"\r{line:<40}" if live else f"{line}\n")
         _console.flush()
 

@@ -12,6 +12,7 @@ Where the shader runs, OSL knows Rendered for 1 and drops the preview.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -36,6 +37,7 @@ _OUTWARDS, _FLANK, _APART, _GGX_TAIL = 0.9, 1.3, 1.5, 2.0
 _PIXEL = 36 / 50 / 1920
 _LAMP = 1e-5  # square of half the angle, within the binder, at which a usual lamp is seen
 _MOST_VARIANCE = 0.7  # of a cell's brightness, whose mean is 1: more looks like noise
+_PEAKED = 8.0  # k, of how few cells are bright: one in nine
 _TURNS = 20.0  # a cell flashes anew when the view turns by so many parts of a radian
 
 
@@ -333,12 +335,13 @@ def _glitter(sockets: _Sockets, flakes: _Flakes, incoming: Value, meters_per_uni
     _fill(noise.inputs["Vector"], cell + _arithmetic("FLOOR", cell + _TURNS * incoming))
     u = Value(noise.outputs["Value"])
 
-    # (1 + k) u^k has the mean 1 and the variance k^2/(1 + 2 k).
+    # (1 + k) u^k has the mean 1 and the variance k^2/(1 + 2 k): few bright cells in a dark ground.
+    # A share of it on an even one has the share's square of that variance, and no dark specks.
     mirrored = wide * wide * (flakes.blur2 + _LAMP) / flakes.slope2.most(1e-9)
     contrast = sockets["sparkle_contrast"].cut()
     variance = contrast * contrast * (1.0 / mirrored).least(_MOST_VARIANCE)
-    k = variance + (variance * variance + variance).root()
-    return (1.0 + k) * _arithmetic("POWER", u, k)
+    share = variance.root() * (math.sqrt(1 + 2 * _PEAKED) / _PEAKED)
+    return 1.0 - share + share * ((1 + _PEAKED) * u.power(_PEAKED))
 
 
 def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Value]]:
