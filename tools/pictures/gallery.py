@@ -39,8 +39,8 @@ CAPTIONS = {
     "car-studio": "candy-red in the studio of `./paint demo`: softboxes, whose edges draw the "
     "body's lines, and a small lamp, about whose mirror image the sparkles crowd.",
     "macro": "Near by, aslant through a lens wide open, in a soft lamp's light: 2.5 mm of "
-    "silver-coarse, 1 mm of green-purple, 5 mm of glass-flake-black, 10 mm of bass-boat. Flakes are "
-    "seen as such, and are discs of blur where they are out of focus.",
+    "silver-coarse, 1 mm of green-purple, 5 mm of glass-flake-black, 10 mm of bass-boat. Flakes "
+    "are seen as such, and are discs of blur where they are out of focus.",
     "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
     "then the flop alone. The last is enlarged 8 times.",
     FILM: "candy-red on a turntable that swings by five degrees: sparkles ride on the paint, and "
