@@ -122,7 +122,7 @@ def draw_swatches(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -
 def _popup_scale() -> float:
     """As large as the window is wide enough for."""
     window = bpy.context.window
-    if window is None:
+    if window is None or bpy.app.background:
         return _LARGEST
     width = window.width / bpy.context.preferences.system.ui_scale
     return min(max((width - _POPUP_MARGIN) / (_IN_A_ROW * _POPUP_UNIT), 1), _LARGEST)
