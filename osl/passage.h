@@ -16,7 +16,10 @@ struct SurfacePoint {
   vector n;
   vector view;
   float footprint;
-  color slant;  // optical depth of the layer towards the observer
+  // Towards the observer, under the surface:
+  float cos_in;
+  color areas;  // mean projected area of each species' flakes
+  color slant;  // optical depth of the layer
   int pixel_x;
   int pixel_y;
   OwnSpace own;

@@ -51,7 +51,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_below);
+  Mixture scattered = mixture(layer, flakes, library, surface.areas, surface.slant, given.substrate_color, cos_below);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
   stack.alpha = scattered.alpha;

@@ -306,9 +306,11 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
   same("view under the wave", surface.below, view_below(point));
   const float cos_below = osl::seen_cosine(surface.n, surface.below);
-  const float cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
-  surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
-  same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
+  surface.cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
+  surface.areas = osl::projected_areas(shader_layer, shader_flakes, surface.cos_in);
+  surface.slant =
+      osl::slant_depth_of(shader_layer, shader_flakes, library, surface.areas, surface.cos_in);
+  same("slant to the observer", surface.slant, slant_depth_of(layer, surface.cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);
   std::array<osl::SeenLight, 8> seen;
@@ -443,8 +445,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
 
   const auto substrate = static_cast<Rgb<float>>(paint.substrate_color);
-  const auto shader_mixture = osl::mixture(shader_layer, shader_flakes, library, surface.slant,
-                                           to_osl(substrate), cos_below);
+  const auto shader_mixture = osl::mixture(shader_layer, shader_flakes, library, surface.areas,
+                                           surface.slant, to_osl(substrate), cos_below);
   const Mixture<float> core_mixture = mixture(layer, substrate, cos_below);
   same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
