@@ -25,6 +25,7 @@ struct SurfacePoint {
   OwnSpace own;
   LatticePlane plane;  // of that and n
   int bends;  // whether a wave of the orange peel lies over it
+  vector waves;  // what tilts normals there
   vector wave;  // its normal
   vector below;  // the view as under that
 };

@@ -297,9 +297,10 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   surface.bends = point.bends;
   surface.below = surface.view;
   if (surface.bends) {
+    surface.waves =
+        osl::waves_at(surface.own.position, static_cast<float>(paint.orange_peel_mm) * 0.001f);
     surface.wave =
-        osl::orange_peel(surface.n, surface.own.position, static_cast<float>(paint.orange_peel),
-                         static_cast<float>(paint.orange_peel_mm) * 0.001f);
+        osl::orange_peel(surface.n, surface.waves, static_cast<float>(paint.orange_peel));
     surface.below = osl::through_wave(surface.view, surface.n, surface.wave, layer.eta);
     same("wave", surface.wave, point.wave);
     ++visits.bent;
@@ -474,8 +475,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const Vec3<float> n = point.normal, v = point.view;
   const auto slope = static_cast<float>(paint.orange_peel);
   const auto size = static_cast<float>(paint.orange_peel_mm);
-  const Vec3<float> bent = orange_peel(n, point.position, slope, size);
-  same("orange_peel", osl::orange_peel(to_osl(n), to_osl(point.position), slope, size), bent);
+  const Vec3<float> bent = orange_peel(n, waves_at(point.position, size), slope);
+  same("orange_peel",
+       osl::orange_peel(to_osl(n), osl::waves_at(to_osl(point.position), size), slope), bent);
   same("above_surface", osl::above_surface(to_osl(bent), to_osl(n), to_osl(v)),
        above_surface(bent, n, v));
   const float raster = point.position.x * 1e10f;
