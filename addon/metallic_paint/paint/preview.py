@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
@@ -154,7 +155,7 @@ def _made(
     )
     key = (kind, operation, *asked)
     if key not in _known:
-        node = tree.nodes.new(kind)
+        node: Any = tree.nodes.new(kind)  # of a kind that no type knows before
         node.hide = True
         if operation and node.operation != operation:
             node.operation = operation
