@@ -52,7 +52,7 @@ class Draws final : public LightsToDraw {
         batch_(batch),
         results_(results) {}
 
-  // Flat: most has few sparkles, and a call for each of their functions would take as long.
+  // Flat: with few sparkles there is little to do, in many small functions.
   [[gnu::flatten]] void draw(std::size_t i, std::size_t light, ExpectedLight& expected) override {
     PixelSparkles<float>& all = expected.sparkles;
     all.count = {};
