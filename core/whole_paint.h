@@ -72,9 +72,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   }
   stack.coat_normal = coat_normal;
   if (paint.orange_peel > 0) {
-    stack.coat_normal =
-        orange_peel(coat_normal, point.own.position, static_cast<T>(paint.orange_peel),
-                    static_cast<T>(paint.orange_peel_mm) * T(0.001));
+    stack.coat_normal = orange_peel(coat_normal, stack.at.waves, static_cast<T>(paint.orange_peel));
   }
   if (dot(stack.coat_normal, point.normal) < T(0.999999)) {
     stack.coat_normal = above_surface(stack.coat_normal, point.normal, point.view);

@@ -139,17 +139,33 @@ Flakes flakes_of(Layer layer, Flakes flakes[SPECIES], int species)
   return some;
 }
 
-color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
+// mean_projected_area of each species.
+color projected_areas(Layer layer, Flakes flakes[SPECIES], float cos_in)
+{
+  color areas = color(0.0);
+  for (int i = 0; i < layer.species; ++i) {
+    Flakes some = flakes_of(layer, flakes, i);
+    areas[i] = mean_projected_area(some.orientation, cos_in);
+  }
+  return areas;
+}
+
+color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
 {
   color sum = color(0.0);
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, flakes, i);
-    sum = sum + blocked_area(some.orientation, some.coating, library, cos_in) * some.coverage;
+    sum = sum + blocked_area(some.orientation, some.coating, library, areas[i], cos_in) * some.coverage;
   }
   return sum;
 }
 
+color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
+{
+  return slant_depth(flake_blocking(layer, flakes, library, areas, cos_in), layer.binder_depth, cos_in);
+}
+
 color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {
-  return slant_depth(flake_blocking(layer, flakes, library, cos_in), layer.binder_depth, cos_in);
+  return slant_depth_of(layer, flakes, library, projected_areas(layer, flakes, cos_in), cos_in);
 }

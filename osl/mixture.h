@@ -340,12 +340,11 @@ void add_diffuse(output DiffuseRates rates, DiffuseRates more)
 }
 
 void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
-                DiffuseSurface surface, float cos_in, color slant_view)
+                DiffuseSurface surface, float cos_in, float area, color slant_view)
 {
   Flakes some = flakes_of(layer, flakes, species);
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
-  float area = mean_projected_area(orientation, cos_in);
   Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in);
   float flux = some.coverage / cos_in;
   color r = coating_reflectance(coating, library, cos_in);
@@ -511,7 +510,8 @@ Mixture no_mixture()
   return none;
 }
 
-Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slant_view, color substrate,
+// `areas`, `slant_view`: of the way to the observer.
+Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color areas, color slant_view, color substrate,
                 float cos_view)
 {
   Mixture sum = no_mixture();
@@ -534,7 +534,7 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, flakes, i);
     if (some.coverage > 0.0)
-      add_flakes(rates, layer, flakes, i, library, surface, cos_in, slant_view);
+      add_flakes(rates, layer, flakes, i, library, surface, cos_in, areas[i], slant_view);
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;

@@ -46,12 +46,12 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
   }
   vector coat_n = given_coat_n;
   if (given.orange_peel > 0.0)
-    coat_n = orange_peel(coat_n, surface.own.position, given.orange_peel, given.orange_peel_mm * 0.001);
+    coat_n = orange_peel(coat_n, surface.waves, given.orange_peel);
   if (inner_product(coat_n, n) < 0.999999)
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_below);
+  Mixture scattered = mixture(layer, flakes, library, surface.areas, surface.slant, given.substrate_color, cos_below);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
   stack.alpha = scattered.alpha;

@@ -255,11 +255,11 @@ TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
   const int n = 20'000;
   for (int k = 0; k < n; ++k) {
     const Vec3<double> p{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-50, 50)};
-    const Vec3<double> bent = orange_peel(kUp, p, 0.01, 1.0);
+    const Vec3<double> bent = orange_peel(kUp, waves_at(p, 1.0), 0.01);
     EXPECT_NEAR(length(bent), 1, 1e-14);
     square += (bent.x * bent.x + bent.y * bent.y) / (bent.z * bent.z);
     const Vec3<double> view = spherical(random.uniform(0, 1.57), random.uniform(0, 6.28));
-    const Vec3<double> steep = orange_peel(kUp, p, 1.0, 1.0);
+    const Vec3<double> steep = orange_peel(kUp, waves_at(p, 1.0), 1.0);
     const Vec3<double> kept = above_surface(steep, kUp, view);
     const Vec3<double> mirrored = kept * (2 * dot(kept, view)) - view;
     // Raised, it is no longer a unit: up to half of kLeastHeight squared.

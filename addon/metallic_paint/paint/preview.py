@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
@@ -45,7 +46,8 @@ class Value:
     """A number or a vector within a node tree; arithmetic with it makes nodes.
 
     Vectors are colours, directions, or one number for each of the three species. A number beside a
-    vector counts for each of its parts. What is divided by 0 is 0.
+    vector counts for each of its parts. What is divided by 0 is 0. What was asked for before has
+    its node already: Blender looks through all of a tree for each new one.
     """
 
     def __init__(self, socket: bpy.types.NodeSocket) -> None:
@@ -87,7 +89,9 @@ class Value:
 
     def cut(self) -> Value:
         """Within 0 and 1."""
-        return self.most(0.0).least(1.0)
+        if self.is_vector:
+            return self.most(0.0).least(1.0)
+        return _made(self.socket.id_data, "ShaderNodeClamp", "", (self,))
 
     def power(self, exponent: float) -> Value:
         """Of no negative number."""
@@ -95,7 +99,7 @@ class Value:
 
     def root(self) -> Value:
         """0 of a negative number."""
-        return self.most(0.0).power(0.5)
+        return self.most(0.0).power(0.5) if self.is_vector else self.function("SQRT")
 
     def decay(self) -> Value:
         """exp(-x)."""
@@ -111,7 +115,9 @@ class Value:
 
     def equal(self, number: int) -> Value:
         """Of whole numbers likewise."""
-        return (1.0 - abs(self - float(number))).most(0.0)
+        if self.is_vector:
+            return (1.0 - abs(self - float(number))).most(0.0)
+        return _arithmetic("COMPARE", self, float(number), 0.5)
 
     def dot(self, other: Value | float) -> Value:
         return _arithmetic("DOT_PRODUCT", self, other)
@@ -120,31 +126,46 @@ class Value:
         return _arithmetic("NORMALIZE", self)
 
     def parts(self) -> list[Value]:
-        node = self.socket.id_data.nodes.new("ShaderNodeSeparateXYZ")
-        _fill(node.inputs[0], self)
-        return [Value(each) for each in node.outputs]
+        first = _made(self.socket.id_data, "ShaderNodeSeparateXYZ", "", (self,))
+        return [Value(each) for each in first.socket.node.outputs]
 
 
 def vector(*parts: Value | float) -> Value:
     [tree, *_] = (each.socket.id_data for each in parts if isinstance(each, Value))
-    node = tree.nodes.new("ShaderNodeCombineXYZ")
-    for socket, part in zip(node.inputs, parts, strict=True):
-        _fill(socket, part)
-    return Value(node.outputs[0])
+    return _made(tree, "ShaderNodeCombineXYZ", "", parts)
 
 
 def _arithmetic(operation: str, *operands: Value | float) -> Value:
     [tree, *_] = (each.socket.id_data for each in operands if isinstance(each, Value))
     vectors = [each for each in operands if isinstance(each, Value) and each.is_vector]
-    node = tree.nodes.new("ShaderNodeVectorMath" if vectors else "ShaderNodeMath")
+    kind = "ShaderNodeVectorMath" if vectors else "ShaderNodeMath"
     if operation == "MULTIPLY" and len(vectors) == 1:
         [number] = (each for each in operands if each is not vectors[0])
         operation, operands = "SCALE", (vectors[0], number)
-    node.operation, node.hide = operation, True
-    inputs = (each for each in node.inputs if each.enabled)
-    for socket, operand in zip(inputs, operands, strict=False):
-        _fill(socket, operand)
-    return Value(next(each for each in node.outputs if each.enabled))
+    return _made(tree, kind, operation, operands)
+
+
+_known: dict[tuple[object, ...], Value] = {}  # of the tree that is being made
+
+
+def _made(
+    tree: bpy.types.NodeTree, kind: str, operation: str, operands: tuple[Value | float, ...]
+) -> Value:
+    """The first output of a node of that kind, new or made before for the same operands."""
+    asked = tuple(
+        each.socket.as_pointer() if isinstance(each, Value) else float(each) for each in operands
+    )
+    key = (kind, operation, *asked)
+    if key not in _known:
+        node: Any = tree.nodes.new(kind)  # of a kind that no type knows before
+        node.hide = True
+        if operation and node.operation != operation:
+            node.operation = operation
+        inputs = (each for each in node.inputs if each.enabled)
+        for socket, operand in zip(inputs, operands, strict=False):
+            _fill(socket, operand)
+        _known[key] = Value(next(each for each in node.outputs if each.enabled))
+    return _known[key]
 
 
 def _fill(socket: bpy.types.NodeSocket, operand: Value | float) -> None:
@@ -161,15 +182,21 @@ def mix_with(
     output: str,
 ) -> bpy.types.NodeSocket:
     """The shader where it runs, elsewhere the preview, whose nodes this adds to the group."""
+    _known.clear()
     there = list(group.nodes)
     [scale] = script.inputs[lights.METERS_PER_UNIT].links
     previewed = _preview(_Sockets(inside), Value(scale.from_socket))
     frame = group.nodes.new("NodeFrame")
     frame.label = LABEL
-    for number, node in enumerate([each for each in group.nodes if each not in there]):
-        if node != frame:
-            node.parent = frame
-            node.location = number // 30 * 180, -1200 - number % 30 * 45
+    places: list[float] = []  # all at once: Blender looks through the tree for each
+    for number, node in enumerate(group.nodes):
+        if node in there or node == frame:
+            places.extend(node.location)
+            continue
+        node.parent = frame
+        places.extend((number // 30 * 180, -1200 - number % 30 * 45))
+    group.nodes.foreach_set("location", places)
+    _known.clear()
     mix = group.nodes.new("ShaderNodeMixShader")
     mix.location = 200, 0
     mix.inputs[0].default_value = 0  # Cycles without OSL leaves the shader out, with its link
