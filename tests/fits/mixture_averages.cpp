@@ -210,8 +210,8 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
     const double absorption = std::max(layer.binder_depth.*channel - rayleigh, 0.0);
     const DiffuseShares<double> diffused =
         diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
-    const double albedo = mixture_channel(none, diffuse_light, diffused, channel, surface,
-                                          absorption, rayleigh, 0.0, cos_in, false)
+    const double albedo = mixture_channel(layer, none, diffuse_light, diffused, {}, channel,
+                                          surface, absorption, rayleigh, 0.0, cos_in, slant)
                               .whole;
     excess = std::max(excess, rates.single.independent.*channel - albedo);
   }
