@@ -24,12 +24,6 @@ struct Stack {
   float texture;
 };
 
-vector returning_normal(vector n, vector view)
-{
-  vector sum = view + n * LEAN;
-  return sum * (1.0 / sqrt(inner_product(sum, sum)));
-}
-
 // What no light has a part in.
 Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, vector given_coat_n,
                  int frame)
@@ -80,4 +74,10 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
   stack.glossy = stack.glossy * stack.texture;
   stack.returned = stack.returned * stack.texture;
   return stack;
+}
+
+vector returning_normal(vector n, vector view)
+{
+  vector sum = view + n * LEAN;
+  return sum * (1.0 / sqrt(inner_product(sum, sum)));
 }
