@@ -200,6 +200,7 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
   const T critical = surface.critical;
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T across = cos_in - critical;
+  const T way_in = 1 / cos_in;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
   const bool narrow = density.kind != Orientation::ggx && density.tilt <= T(kNarrowTilt);
@@ -219,7 +220,8 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
       const SampledTilt<T> tilt = sample_tilt(density, begin + span * place);
       const T h = tilt.sin2_half_beta;
       const T cos_beta = 1 - 2 * h;
-      const T p = cos_beta * cos_in, q = 2 * sqrt(h * (1 - h)) * sin_in;
+      const T sin_beta = 2 * sqrt(h * (1 - h));
+      const T p = cos_beta * cos_in, q = sin_beta * sin_in;
       const T a = 2 * p * cos_beta - cos_in, b = 2 * q * cos_beta;
       // sin^2(limit/2) = (1 - (critical - a)/b)/2
       T limit = half_turn;
@@ -249,8 +251,8 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           // delta is |v_t/c - l_t/e|. With l = 2 cos(alpha) m - v that is |v_t (1/c + 1/e) -
           // 2 cos(alpha) m_t/e|, m_t of the length sin(beta) at phi.
           const T way_out = 1 / cos_exit;
-          const T turned = 2 * cos_alpha * way_out * (2 * sqrt(h * (1 - h)));
-          const T apart = sin_in * (1 / cos_in + way_out) - turned * cos_phi;
+          const T turned = 2 * cos_alpha * way_out * sin_beta;
+          const T apart = sin_in * (way_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
           sum.apart = sum.apart + escaping * sqrt(apart * apart + aside);
         }
@@ -518,15 +520,16 @@ inline constexpr double kMostExponent = 1e4;
 
 template <class T>
 struct Returning {
-  T far = 0;       // k of the diffuse lobe
-  T lobe = 0;      // of what c adds to the way back by the view, what gets into the lobe and out
+  // Of the view's way to the substrate: what is free of it; times exp(c far); times exp(c).
+  Rgb<T> free{}, far{}, near{};
+  T lobe = 0;      // of what c adds by the view, what gets into the lobe and out
   T above = 1;     // share of the lobe that lies above the surface
   T exponent = 1;  // of the lobe
 };
 
 template <class T>
-Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, T cos_in,
-                       T cos_view) {
+Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, Rgb<T> slant_view,
+                       T cos_in, T cos_view) {
   T thickness = 0;  // H over the flakes' diameter
   for (std::size_t i = 0; i < kSpecies; ++i) {
     thickness = thickness + layer.hiding[i] * layer.thickness_in_flakes[i];
@@ -541,7 +544,13 @@ Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, 
   const T axis =
       2 * (1 + lean * cos_view) * (cos_view + lean) / (1 + lean * (lean + 2 * cos_view)) - cos_view;
   // The lobe's integral is 2 pi/(n + 2) of its height. Above the surface: within 0.02.
-  return {.far = holes_in_common(layer, apart),
+  const T far = holes_in_common(layer, apart);
+  const Rgb<T> c = layer.shared_blocking;
+  const Rgb<T> shared{min(c.x, slant_view.x), min(c.y, slant_view.y), min(c.z, slant_view.z)};
+  const auto passed = [](T x) { return exponential(x); };
+  return {.free = map(Rgb<T>{} - slant_view, passed),
+          .far = map(shared * far - slant_view, passed),
+          .near = map(shared - slant_view, passed),
           .lobe = T(2.1) / ((exponent + 2) * (1 + T(0.42) * thickness)) *
                   lambertian_escape(surface) * axis,
           .above = 1 - T(0.5) * exponential(T(-0.93) * (exponent + 1) * (axis * axis)),
@@ -559,7 +568,7 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
                                  const DiffuseRates<T>& diffuse_light,
                                  const DiffuseShares<T>& diffused, const Returning<T>& back,
                                  T Rgb<T>::* c, const DiffuseSurface<T>& surface, T absorption,
-                                 T rayleigh, T substrate, T cos_in, Rgb<T> slant_view) {
+                                 T rayleigh, T substrate, T cos_in) {
   const T pigment_back = rayleigh / 2;
   const T flake_mirror = flakes.escaping.*c + flakes.inside.*c + flakes.outside.*c;
   const T mirror = flake_mirror + pigment_back / cos_in;
@@ -620,12 +629,8 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   T less = 1;
   if (left > 0) less = clamp((kept - flakes.single.correlated.*c) / left, T(0), T(1));
   // What the substrate sends out besides was to meet flakes or the surface, and in part to be lost.
-  const T x = slant_view.*c;
-  const T shared = min(layer.shared_blocking.*c, x);
-  const T free = exponential(-x);
-  const T far = exponential(shared * back.far - x);
-  const T near = exponential(shared - x);
-  const T returned = substrate * free * max(near - far, T(0)) * (back.lobe * back.above);
+  const T free = back.free.*c, far = back.far.*c;
+  const T returned = substrate * free * max(back.near.*c - far, T(0)) * (back.lobe * back.above);
   const T more = substrate * diffused.straight * max(far - free, T(0)) + returned;
   const T sum = min(whole * less + more * diffused.lost, T(1));
   return {sum, glossy * less, min(returned, max(sum - glossy * less, T(0)))};
@@ -679,7 +684,7 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
   const T rayleigh = layer.rayleigh_depth;
   Returning<T> back;
   if (layer.depth_model == DepthModel::correlated) {
-    back = returning(layer, surface, cos_in, cos_view);
+    back = returning(layer, surface, slant_view, cos_in, cos_view);
   }
   Mixture<T> sum;
   const auto channel = [&](T Rgb<T>::* c) {
@@ -688,7 +693,7 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
         diffuse_channel(diffuse_light, c, surface, absorption, rayleigh, substrate.*c);
     const MixtureShares<T> shares =
         mixture_channel(layer, rates, diffuse_light, diffused, back, c, surface, absorption,
-                        rayleigh, substrate.*c, cos_in, slant_view);
+                        rayleigh, substrate.*c, cos_in);
     sum.diffuse.*c = entered * (shares.whole - shares.glossy - shares.returned);
     sum.glossy.*c = entered * shares.glossy;
     sum.returned.*c = entered * shares.returned;

@@ -117,6 +117,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float critical = surface.critical;
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float across = cos_in - critical;
+  float way_in = 1.0 / cos_in;
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
@@ -148,7 +149,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
       float h = tilt.sin2_half_beta;
       float cos_beta = 1.0 - 2.0 * h;
       float p = cos_beta * cos_in;
-      float q = 2.0 * sqrt(h * (1.0 - h)) * sin_in;
+      float sin_beta = 2.0 * sqrt(h * (1.0 - h));
+      float q = sin_beta * sin_in;
       float a = 2.0 * p * cos_beta - cos_in;
       float b = 2.0 * q * cos_beta;
       float limit = HALF_PI;
@@ -176,8 +178,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
         if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
           float way_out = 1.0 / cos_exit;
-          float turned = 2.0 * cos_alpha * way_out * (2.0 * sqrt(h * (1.0 - h)));
-          float apart = sin_in * (1.0 / cos_in + way_out) - turned * cos_phi;
+          float turned = 2.0 * cos_alpha * way_out * sin_beta;
+          float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
           sum.apart = sum.apart + escaping * sqrt(apart * apart + aside);
         }
@@ -429,13 +431,15 @@ DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface 
 #define MOST_EXPONENT 1e4
 
 struct Returning {
-  float far;
+  color free;
+  color far;
+  color near;
   float lobe;
   float above;
   float exponent;
 };
 
-Returning returning(Layer layer, DiffuseSurface surface, float cos_in, float cos_view)
+Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float cos_in, float cos_view)
 {
   color thickness = layer.hiding * layer.thickness_in_flakes;
   float over_flakes = thickness[0] + thickness[1] + thickness[2];
@@ -446,7 +450,19 @@ Returning returning(Layer layer, DiffuseSurface surface, float cos_in, float cos
   float apart = sqrt(0.71 * surface.cone / max(beyond, 1e-3) + steep);
   float axis = 2.0 * (1.0 + LEAN * cos_view) * (cos_view + LEAN) / (1.0 + LEAN * (LEAN + 2.0 * cos_view)) - cos_view;
   Returning back;
-  back.far = holes_in_common(layer, apart);
+  float far = holes_in_common(layer, apart);
+  color shared = min(layer.shared_blocking, slant_view);
+  int channels = channels_of(slant_view) == 1 && channels_of(shared) == 1 ? 1 : 3;
+  for (int c = 0; c < channels; ++c) {
+    back.free[c] = exponential(-slant_view[c]);
+    back.far[c] = exponential(shared[c] * far - slant_view[c]);
+    back.near[c] = exponential(shared[c] - slant_view[c]);
+  }
+  if (channels == 1) {
+    back.free = color(back.free[0]);
+    back.far = color(back.far[0]);
+    back.near = color(back.near[0]);
+  }
   back.lobe = 2.1 / ((exponent + 2.0) * (1.0 + 0.42 * over_flakes)) * lambertian_escape(surface) * axis;
   back.above = 1.0 - 0.5 * exponential(-0.93 * (exponent + 1.0) * (axis * axis));
   back.exponent = min(exponent, MOST_EXPONENT);
@@ -462,7 +478,7 @@ struct MixtureShares {
 // In the colour channel c: 0, 1, 2.
 MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffuse_light, DiffuseShares diffused,
                               Returning back, int c, DiffuseSurface surface, float absorption, float rayleigh,
-                              float substrate, float cos_in, color slant_view)
+                              float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
   float flake_mirror = flakes.escaping[c] + flakes.inside[c] + flakes.outside[c];
@@ -515,12 +531,9 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
     float less = 1.0;
     if (left > 0.0)
       less = clamp((kept - flakes.single.correlated[c]) / left, 0.0, 1.0);
-    float x = slant_view[c];
-    float shared = min(layer.shared_blocking[c], x);
-    float free = exponential(-x);
-    float far = exponential(shared * back.far - x);
-    float near = exponential(shared - x);
-    float returned = substrate * free * max(near - far, 0.0) * (back.lobe * back.above);
+    float free = back.free[c];
+    float far = back.far[c];
+    float returned = substrate * free * max(back.near[c] - far, 0.0) * (back.lobe * back.above);
     float more = substrate * diffused.straight * max(far - free, 0.0) + returned;
     shares.glossy = shares.glossy * less;
     shares.whole = min(shares.whole * less + more * diffused.lost, 1.0);
@@ -617,12 +630,14 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
     lost = color(red.lost, green.lost, blue.lost);
   }
   Returning back;
-  back.far = 0.0;
+  back.free = color(0.0);
+  back.far = color(0.0);
+  back.near = color(0.0);
   back.lobe = 0.0;
   back.above = 1.0;
   back.exponent = 1.0;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
-    back = returning(layer, surface, cos_in, cos_view);
+    back = returning(layer, surface, slant_view, cos_in, cos_view);
   for (int c = 0; c < 3; ++c) {
     DiffuseShares diffused;
     diffused.trapped_out = trapped_out[c];
@@ -632,7 +647,7 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
     diffused.lost = lost[c];
     MixtureShares shares =
         mixture_channel(layer, rates, diffuse_light, diffused, back, c, surface, absorption[c], rayleigh, substrate[c],
-                        cos_in, slant_view);
+                        cos_in);
     sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy - shares.returned);
     sum.glossy_albedo[c] = entered * shares.glossy;
     sum.returned_albedo[c] = entered * shares.returned;

@@ -226,7 +226,7 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
     const DiffuseShares<double> diffused =
         diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
     const double albedo = mixture_channel(layer, none, diffuse_light, diffused, {}, channel,
-                                          surface, absorption, rayleigh, 0.0, cos_in, slant)
+                                          surface, absorption, rayleigh, 0.0, cos_in)
                               .whole;
     excess = std::max(excess, rates.single.independent.*channel - albedo);
   }

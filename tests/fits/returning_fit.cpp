@@ -89,10 +89,10 @@ int main(int argc, char** argv) {
     const Vec3<double> view = spherical(slant, 0);
     const double g = eta_cos_refracted(view.z, eta), c = layer.shared_blocking.y;
     const DiffuseSurface<double> surface = diffuse_surface(eta);
-    const Returning<double> back = returning(layer, surface, g / eta, view.z);
+    const Returning<double> back = returning(layer, surface, {c, c, c}, g / eta, view.z);
     const Vec3<double> axis = returning_normal(up, view);
     // Of a white substrate under flakes that lose nothing on the way to it.
-    const double far = std::exp(c * back.far), more = (std::exp(c) - far) * back.lobe;
+    const double far = back.far.y / back.free.y, more = (std::exp(c) - far) * back.lobe;
     Error of_lobe, of_none;
     for (const Ray& light : all) {
       const Vec3<double> l = light.direction;
