@@ -173,7 +173,7 @@ struct Mirroring {
   T escaping{};  // of that, what it does let out
   // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
   T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
-  T apart{};  // likewise delta of hot_spot.h
+  T in_common{};  // likewise G of hot_spot.h
 };
 
 // Up to this tilt two points over beta do, but not for the long tail of ggx. Three everywhere
@@ -201,6 +201,7 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T across = cos_in - critical;
   const T way_in = 1 / cos_in;
+  const T flakes_alone = 2 * max_component(layer.shared_blocking);  // optical depth, both ways
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
   const bool narrow = density.kind != Orientation::ggx && density.tilt <= T(kNarrowTilt);
@@ -254,7 +255,8 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           const T turned = 2 * cos_alpha * way_out * sin_beta;
           const T apart = sin_in * (way_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
-          sum.apart = sum.apart + escaping * sqrt(apart * apart + aside);
+          const T delta = sqrt(apart * apart + aside);
+          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
         }
       }
     }
@@ -312,11 +314,10 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
   return map(grey(T(1)) - mirrored - passed, [](T x) { return max(x, T(0)); });
 }
 
-// r_p, T and G averaged over what escapes, at its mean angles and ways. A pearl's film turns over
-// with the angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine
-// is the one that linear regression expects. E is within 0.011 of the lobe's integral, in 95 %
-// within 0.003 (2000 cases, docs/fits.md); correlated within 0.010, in 95 % within 0.004 (400
-// cases).
+// r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
+// angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine is the
+// one that linear regression expects. E is within 0.011 of the lobe's integral, in 95 % within
+// 0.003 (2000 cases, docs/fits.md).
 template <class T>
 SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
                             const Mirroring<T>& mirrored, Rgb<T> slant_view) {
@@ -332,11 +333,6 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
     }
   }
   const int sides = deviation > 0 ? 2 : 1;
-  T in_common = 0;
-  if (layer.depth_model == DepthModel::correlated) {
-    const T flakes_alone = 2 * max_component(layer.shared_blocking);  // optical depth, both ways
-    in_common = share_in_common(layer, mirrored.apart / mirrored.escaping, flakes_alone);
-  }
   SingleShares<T> sum;
   for (int i = 0; i < sides; ++i) {
     const T exit = clamp(cos_exit + shift, T(kLeastCosine), T(1));
@@ -345,7 +341,8 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
     const auto passed = [](T x) { return mean_transmittance(x); };
     sum.independent = sum.independent + r * map(slant_view + slant_out, passed);
     if (layer.depth_model == DepthModel::correlated) {
-      const Rgb<T> slant = less_in_common(layer, slant_view + slant_out, grey(in_common));
+      const Rgb<T> slant = less_in_common(layer, slant_view + slant_out,
+                                          grey(mirrored.in_common / mirrored.escaping));
       sum.correlated = sum.correlated + r * map(slant, passed);
     }
     deviation = -deviation;
@@ -511,7 +508,7 @@ DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>:
 // surface lets out. The lobe is cos^n about the view, leaning to the normal by kLean, where grazing
 // light takes less part. n, its height, 0.71 and kLean are fitted to exp(c k) by least squares of
 // its logarithm, for eta of 1.4 to 1.7, D/H of 0.1 to 2, c of 0.1 to 2.5 and views up to 80
-// degrees: the root mean square over all lights is 0.09, where it is 0.38 with k = 0 and 0.16 with
+// degrees: the root mean square over all lights is 0.10, where it is 0.38 with k = 0 and 0.17 with
 // the best diffuse lobe (1000 cases, docs/fits.md). Light that all but grazes the surface the lobe
 // shows too bright, for it knows of no surface.
 inline constexpr double kLean = 0.19;

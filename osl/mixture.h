@@ -97,7 +97,7 @@ struct Mirroring {
   float cos_exit;
   float cos2_alpha;
   float cos_alpha_exit;
-  float apart;
+  float in_common;
 };
 
 Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in)
@@ -109,7 +109,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   sum.cos_exit = 0.0;
   sum.cos2_alpha = 0.0;
   sum.cos_alpha_exit = 0.0;
-  sum.apart = 0.0;
+  sum.in_common = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -118,6 +118,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float across = cos_in - critical;
   float way_in = 1.0 / cos_in;
+  color shared = layer.shared_blocking;
+  float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
@@ -181,7 +183,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           float turned = 2.0 * cos_alpha * way_out * sin_beta;
           float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
-          sum.apart = sum.apart + escaping * sqrt(apart * apart + aside);
+          float delta = sqrt(apart * apart + aside);
+          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
         }
       }
     }
@@ -269,19 +272,13 @@ SingleShares mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, f
       shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
   }
   int sides = deviation > 0.0 ? 2 : 1;
-  float in_common = 0.0;
-  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-    color shared = layer.shared_blocking;
-    float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
-    in_common = share_in_common(layer, mirrored.apart / mirrored.escaping, flakes_alone);
-  }
   for (int i = 0; i < sides; ++i) {
     float exit = clamp(cos_exit + shift, LEAST_COSINE, 1.0);
     color slant_out = slant_depth_of(layer, flakes, library, exit);
     color r = coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0));
     sum.independent = sum.independent + r * mean_transmittance(slant_view + slant_out);
     if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-      color slant = less_in_common(layer, slant_view + slant_out, color(in_common));
+      color slant = less_in_common(layer, slant_view + slant_out, color(mirrored.in_common / mirrored.escaping));
       sum.correlated = sum.correlated + r * mean_transmittance(slant);
     }
     deviation = -deviation;
