@@ -451,7 +451,10 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const Mixture<float> core_mixture = mixture(layer, substrate, cos_below);
   same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
+  same("returned", shader_mixture.returned_albedo, core_mixture.returned);
   same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
+  same("exponent of the returning lobe", shader_mixture.exponent, core_mixture.exponent);
+  same("share above of the returning lobe", shader_mixture.above, core_mixture.above);
 
   // The stack of all that.
   const Stack<float> stack = make_stack(paint, layer, point, point.normal);
@@ -466,7 +469,12 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
   same("stack's diffuse", shader_stack.diffuse, stack.diffuse);
   same("stack's glossy", shader_stack.glossy, stack.glossy);
+  same("stack's returned", shader_stack.returned, stack.returned);
   same("stack's alpha", shader_stack.alpha, stack.alpha);
+  same("stack's exponent", shader_stack.exponent, stack.exponent);
+  same("returned_scale", shader_stack.returned_scale, stack.returned_scale);
+  same("returning_normal", osl::returning_normal(surface.n, surface.view),
+       returning_normal(point.normal, point.view));
   same("texture", shader_stack.texture, stack.texture);
   std::array<osl::color, kRampColours> ramp;
   osl::make_ramp(shader_layer.eta, ramp);

@@ -115,7 +115,12 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     const double lobe = facet_lobe(point.normal, point.view, direction, m.alpha) /
                         facet_lobe_albedo(std::min(dot(point.normal, point.view), 1.0), m.alpha);
     const double slanted = ramp_at(make_ramp(layer.eta), dot(point.normal, direction));
-    const double scattered = stack.diffuse.x * slanted / kPi + stack.glossy.x * lobe;
+    const double returned =
+        phong_lobe(returning_normal(point.normal, point.view), point.view, direction, m.exponent) /
+        m.above;
+    EXPECT_EQ(stack.returned.y, m.returned.y * grain);
+    const double scattered =
+        stack.diffuse.x * slanted / kPi + stack.glossy.x * lobe + stack.returned.x * returned;
     EXPECT_LE(relative_error(found.scattered.x, scattered), 1e-14);
     if (roughness == 0) {
       EXPECT_EQ(found.shine,
