@@ -82,7 +82,8 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
     evaluate_pixels(prepared->paint, layer, lights, static_cast<std::size_t>(species), batch,
                     results, stop);
   };
-  const bool brief = n <= 256;  // with eight lights and three species a fraction of a second
+  // With three species some 30 ms: not worth a thread that looks for signals.
+  const bool brief = std::max(n, all_lights) <= (is_float ? 1 << 15 : 1 << 11);
   interruptible(
       [&](const std::stop_token& stop) {
         metallic_paint::validate(batch, lights.size());

@@ -236,22 +236,29 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
         const Layer<double> layer = make_layer<double>(paint);
         const Array<double> cosines = numbers("cos_view", cos_view);
         std::vector<py::ssize_t> shape(cosines.shape(), cosines.shape() + cosines.ndim());
-        py::array_t<double> alpha(shape);
+        py::array_t<double> alpha(shape), exponent(shape), above(shape);
         shape.push_back(3);
-        py::array_t<double> diffuse(shape), glossy(shape);
-        double *to_diffuse = diffuse.mutable_data(), *to_glossy = glossy.mutable_data();
+        py::array_t<double> diffuse(shape), glossy(shape), returned(shape);
+        double *to_diffuse = diffuse.mutable_data(), *to_glossy = glossy.mutable_data(),
+               *to_returned = returned.mutable_data();
         for (py::ssize_t i = 0; i < cosines.size(); ++i) {
           look_for_signals();
           require_range("cos_view", cosines.data()[i], 0, 1);
           const Mixture<double> m = mixture(layer, substrate, cosines.data()[i]);
           for (const double x : {m.diffuse.x, m.diffuse.y, m.diffuse.z}) *to_diffuse++ = x;
           for (const double x : {m.glossy.x, m.glossy.y, m.glossy.z}) *to_glossy++ = x;
+          for (const double x : {m.returned.x, m.returned.y, m.returned.z}) *to_returned++ = x;
           alpha.mutable_data()[i] = m.alpha;
+          exponent.mutable_data()[i] = m.exponent;
+          above.mutable_data()[i] = m.above;
         }
         py::dict found;
         found["diffuse"] = diffuse;
         found["glossy"] = glossy;
+        found["returned"] = returned;
         found["alpha"] = alpha;
+        found["exponent"] = exponent;
+        found["above"] = above;
         return found;
       },
       py::arg("paint"), py::arg("substrate"), py::arg("cos_view"),
@@ -260,5 +267,7 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
 substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1; cos_view (...): cosines of the
 view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of the diffuse lobe,
 of substrate and pigment; glossy (..., 3), that of a lobe of GGX microfacets scaled to reflect all,
-of several flakes; alpha (...), the roughness of that lobe.)doc");
+of several flakes; returned (..., 3), that of a lobe about the view, of what leaves by the hole among
+the flakes that it came in by; alpha (...), the roughness of the glossy lobe; exponent (...) of the
+returning one, and above (...), its share above the surface.)doc");
 }

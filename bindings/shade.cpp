@@ -71,13 +71,15 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
   py::array_t<double> radiance = zeros(each), mean = zeros(each), sparkles = zeros(each),
                       scattered = zeros(each), shine = zeros({n, m}), reflected = zeros({n}),
                       rest = zeros({n}), diffuse = zeros({n, 3}), glossy = zeros({n, 3}),
-                      alpha = zeros({n}), texture = zeros({n}), bent = zeros({n, 3});
+                      returned = zeros({n, 3}), alpha = zeros({n}), texture = zeros({n}),
+                      bent = zeros({n, 3});
   double *to_radiance = radiance.mutable_data(), *to_mean = mean.mutable_data(),
          *to_sparkles = sparkles.mutable_data(), *to_scattered = scattered.mutable_data(),
          *to_shine = shine.mutable_data(), *to_reflected = reflected.mutable_data(),
          *to_rest = rest.mutable_data(), *to_diffuse = diffuse.mutable_data(),
-         *to_glossy = glossy.mutable_data(), *to_alpha = alpha.mutable_data(),
-         *to_texture = texture.mutable_data(), *to_bent = bent.mutable_data();
+         *to_glossy = glossy.mutable_data(), *to_returned = returned.mutable_data(),
+         *to_alpha = alpha.mutable_data(), *to_texture = texture.mutable_data(),
+         *to_bent = bent.mutable_data();
   interruptible([&](const std::stop_token& stop) {
     const Layer<double> layer = layer_under(prepared->as_double, places.batch());
     const auto shade_one = [&](std::size_t i) {
@@ -90,6 +92,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
       to_texture[i] = stack.texture;
       store(to_diffuse, i, stack.diffuse);
       store(to_glossy, i, stack.glossy);
+      store(to_returned, i, stack.returned);
       store(to_bent, i, stack.coat_normal);
       const SlotView<double> slots = view_slots(lights, point);
       const auto firsts = look_close(layer, stack.at, paint.frame, paint.seed);
@@ -125,6 +128,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
   all["coat_normal"] = bent;
   all["diffuse"] = diffuse;
   all["glossy"] = glossy;
+  all["returned"] = returned;
   all["alpha"] = alpha;
   all["texture"] = texture;
   return all;
@@ -187,13 +191,13 @@ Places as in evaluate; coat_normal (n, 3): unit normals of the coat where they a
 the orange peel, whose waves are fixed to the own space.
 
 A dict. Over pixels and lights, per unit of the light's irradiance on a plane normal to it, 1/sr:
-sparkles (n, m, 3), as Composition joins them; scattered (n, m, 3), the diffuse and the glossy lobe;
+sparkles (n, m, 3), as Composition joins them; scattered (n, m, 3), the mixture's lobes;
 shine (n, m), the coat's; radiance = shine + coat_rest (sparkles + scattered), and mean_radiance,
 the same with the sparkles' mean. 0 where a light is below the surface. A light is narrow against
 the lobes; its radius counts where a coat without roughness mirrors it.
-Over pixels: coat_reflected, coat_rest, texture and alpha (n,), diffuse and glossy (n, 3), the
-albedos of the two lobes with the texture, alpha the glossy one's roughness; coat_normal (n, 3),
-with the orange peel.)doc");
+Over pixels: coat_reflected, coat_rest, texture and alpha (n,), diffuse, glossy and returned (n, 3),
+the albedos of the mixture's lobes with the texture, alpha the glossy one's roughness; coat_normal
+(n, 3), with the orange peel.)doc");
   module.def("reflectance", &reflect_light, py::arg("paint"), py::arg("light"), py::kw_only(),
              py::arg("position"), py::arg("normal"), py::arg("view"), py::arg("footprint"),
              py::arg("pixel"), py::arg("own_position") = py::none(),

@@ -8,10 +8,10 @@
 namespace metallic_paint {
 
 // expect_lanes.cpp, compiled for each of these processors.
-#define METALLIC_PAINT_LANES_OF(processor)                                                         \
-  void expect_in_lanes_##processor(const Paint&, const std::vector<Light<double>>&,                \
-                                   const StreamKeys&, const PixelBatch&, std::size_t, std::size_t, \
-                                   ExpectedLights&)
+#define METALLIC_PAINT_LANES_OF(processor)                                                       \
+  void expect_in_lanes_##processor(const Paint&, const std::vector<Light<double>>&, std::size_t, \
+                                   const StreamKeys&, const PixelBatch&, const PixelResults&,    \
+                                   std::size_t, std::size_t, LightsToDraw&)
 #ifdef METALLIC_PAINT_LANES
 METALLIC_PAINT_LANES_OF(plain);
 #ifdef METALLIC_PAINT_WIDE_LANES
@@ -41,7 +41,7 @@ const std::vector<ExpectInLanes>& expect_in_lanes() {
 namespace {
 
 // One by one come the draws: each has as much to do as there are sparkles.
-class Draws final : public ExpectedLights {
+class Draws final : public LightsToDraw {
  public:
   Draws(const Layer<float>& layer, const StreamKeys& keys, std::size_t lights, std::size_t species,
         const PixelBatch& batch, const PixelResults& results)
@@ -52,21 +52,22 @@ class Draws final : public ExpectedLights {
         batch_(batch),
         results_(results) {}
 
-  void take(std::size_t i, std::size_t light, int leader, ExpectedLight* expected) override {
-    PixelSparkles<float>* all = nullptr;
-    if (expected != nullptr) {
-      all = &expected->sparkles;
-      all->count = {};
-      all->radiance = {};
-      for (std::size_t at = 0; at < static_cast<std::size_t>(layer_.species); ++at) {
-        if (expected->dark[at]) continue;
-        all->draw(at,
-                  draw_sparkles(all->expected[at], layer_.flakes[at].area_spread, keys_[light][at],
-                                batch_.pixel[2 * i], batch_.pixel[2 * i + 1]));
-      }
-      all->bound_by_mirror();
+  // Flat: with few sparkles there is little to do, in many small functions.
+  [[gnu::flatten]] void draw(std::size_t i, std::size_t light, ExpectedLight& expected) override {
+    PixelSparkles<float>& all = expected.sparkles;
+    all.count = {};
+    all.radiance = {};
+    for (std::size_t at = 0; at < static_cast<std::size_t>(layer_.species); ++at) {
+      if (expected.dark[at]) continue;
+      all.draw(at, draw_sparkles(all.expected[at], layer_.flakes[at].area_spread, keys_[light][at],
+                                 batch_.pixel[2 * i], batch_.pixel[2 * i + 1]));
     }
-    store_light(results_, i, lights_, species_, light, leader, all);
+    all.bound_by_mirror();
+    store_draw(results_, i * lights_ + light, all.count[species_], all.radiance);
+  }
+
+  void follow(std::size_t i, std::size_t light, int leader) override {
+    store_follower(results_, i, lights_, light, leader);
   }
 
  private:
@@ -94,7 +95,8 @@ void evaluate_in_lanes(ExpectInLanes expect, const Paint& paint, const Layer<flo
   const auto evaluate_block = [&](std::size_t block) {
     Draws draws(layer, keys, lights.size(), species, batch, results);
     const std::size_t begin = block * kBlock;
-    expect(paint, lights, keys, batch, begin, std::min(begin + kBlock, batch.size), draws);
+    expect(paint, lights, species, keys, batch, results, begin,
+           std::min(begin + kBlock, batch.size), draws);
   };
   parallel_for((batch.size + kBlock - 1) / kBlock, evaluate_block, 1, stop);
 }

@@ -111,30 +111,29 @@ struct PixelResults {
 // Throws std::invalid_argument that names the array, the row and the value. lights: of batch.slant.
 void validate(const PixelBatch& batch, std::size_t lights = 0);
 
-// Stores the results of a light in pixel i; `all` are its sparkles if it leads.
 template <class T>
-void store_light(const PixelResults& results, std::size_t i, std::size_t lights,
-                 std::size_t species, std::size_t light, int leader, const PixelSparkles<T>* all) {
-  const auto store = [](double* array, std::size_t at, const Rgb<T>& value) {
-    array[3 * at] = static_cast<double>(value.x);
-    array[3 * at + 1] = static_cast<double>(value.y);
-    array[3 * at + 2] = static_cast<double>(value.z);
-  };
+void store_colour(double* array, std::size_t at, const Rgb<T>& value) {
+  array[3 * at] = static_cast<double>(value.x);
+  array[3 * at + 1] = static_cast<double>(value.y);
+  array[3 * at + 2] = static_cast<double>(value.z);
+}
+
+// Stores what is drawn for a light that leads; `at` is its place in the results.
+template <class T>
+void store_draw(const PixelResults& results, std::size_t at, T count, const Rgb<T>& radiance) {
+  results.count[at] = static_cast<double>(count);
+  store_colour(results.radiance, at, radiance);
+}
+
+// Stores the results of a light in pixel i that does not lead. The leader comes first: its results
+// are there to copy.
+inline void store_follower(const PixelResults& results, std::size_t i, std::size_t lights,
+                           std::size_t light, int leader) {
   const std::size_t at = i * lights + light;
+  const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
   results.leader[at] = leader;
-  if (all != nullptr) {
-    results.slots[at] = all->expected[species].slots;
-    results.mean_count[at] = static_cast<double>(all->expected[species].mean_count);
-    results.count[at] = static_cast<double>(all->count[species]);
-    store(results.radiance, at, all->radiance);
-    store(results.mean_radiance, at, all->mean_radiance);
-    store(results.variance, at, all->variance);
-    return;
-  }
   results.slots[at] = 0;
   results.count[at] = results.mean_count[at] = 0;
-  // The leader comes first: its results are there to copy.
-  const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
   for (std::size_t c = 0; c < 3; ++c) {
     results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
     results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
@@ -149,12 +148,18 @@ void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
                  std::size_t species, const std::array<int, kLightSlots>& leaders,
                  const Sparkles& sparkles_of) {
   for (std::size_t light = 0; light < lights; ++light) {
-    if (leaders[light] == static_cast<int>(light)) {
-      const auto& all = sparkles_of(light);
-      store_light(results, i, lights, species, light, leaders[light], &all);
-    } else {
-      store_light<float>(results, i, lights, species, light, leaders[light], nullptr);
+    if (leaders[light] != static_cast<int>(light)) {
+      store_follower(results, i, lights, light, leaders[light]);
+      continue;
     }
+    const auto& all = sparkles_of(light);
+    const std::size_t at = i * lights + light;
+    results.leader[at] = leaders[light];
+    results.slots[at] = all.expected[species].slots;
+    results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
+    store_draw(results, at, all.count[species], all.radiance);
+    store_colour(results.mean_radiance, at, all.mean_radiance);
+    store_colour(results.variance, at, all.variance);
   }
 }
 
@@ -163,23 +168,26 @@ using StreamKeys = std::array<std::array<HashWords, kSpecies>, kLightSlots>;
 // A light in one of the pixels in float whose sparkles belong to the pixel: many are computed side
 // by side (expect_lanes.cpp), bit for bit as one by one, but for the draws.
 struct ExpectedLight {
-  PixelSparkles<float> sparkles;  // radiance and count are to be drawn
-  // Species of which no sparkle is drawn. Of these only mean_count, slots and ceiling are told.
-  std::array<bool, kSpecies> dark;
+  PixelSparkles<float> sparkles;    // radiance and count are to be drawn
+  std::array<bool, kSpecies> dark;  // no sparkle of this species is drawn; only `ceiling` is told
 };
-class ExpectedLights {
+// What is left to be done one by one. What is told of a light a second time takes the place of the
+// first.
+class LightsToDraw {
  public:
-  // The lights of a pixel come in their order. One that does not lead has no `expected`. What is
-  // told of a light a second time takes the place of the first.
-  virtual void take(std::size_t i, std::size_t light, int leader, ExpectedLight* expected) = 0;
+  // The light leads, and some species is not dark; all but the draw is stored.
+  virtual void draw(std::size_t i, std::size_t light, ExpectedLight& expected) = 0;
+  // The light does not lead. Lights of a pixel come in their order.
+  virtual void follow(std::size_t i, std::size_t light, int leader) = 0;
 
  protected:
-  ~ExpectedLights() = default;
+  ~LightsToDraw() = default;
 };
-// Gives the pixels from `begin` up to `end`, in any order, to `to`.
+// Does the pixels from `begin` up to `end`, in any order; `to` does the rest of each at once.
 using ExpectInLanes = void (*)(const Paint& paint, const std::vector<Light<double>>& lights,
-                               const StreamKeys& keys, const PixelBatch& batch, std::size_t begin,
-                               std::size_t end, ExpectedLights& to);
+                               std::size_t species, const StreamKeys& keys, const PixelBatch& batch,
+                               const PixelResults& results, std::size_t begin, std::size_t end,
+                               LightsToDraw& to);
 // Those that this processor can run, the one with the most lanes first; none where the standard
 // library knows no lanes.
 const std::vector<ExpectInLanes>& expect_in_lanes();

@@ -195,14 +195,14 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
   return flake;
 }
 
-// `inside` is the direction v to the observer in the binder, `size` that of the anchor's cells in
-// mean flake areas: cells of one flake or less are seen close up, of two or more in counts, between
-// them some blocks are and some are not.
+// `inside` is the direction v to the observer in the binder, of cosine cos_in, `size` that of the
+// anchor's cells in mean flake areas: cells of one flake or less are seen close up, of two or more
+// in counts, between them some blocks are and some are not.
 template <class T>
 FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
-                          Vec3<T> inside, const LatticePoint<T>& at, T size, HashWords key) {
+                          Vec3<T> inside, T cos_in, const LatticePoint<T>& at, T size,
+                          HashWords key) {
   FirstFlake<T> first;
-  const T cos_in = min(dot(inside, normal), T(1));
   first.passed = passed_over(flakes);
   first.hiding = (1 - first.passed) *
                  (flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in);
@@ -339,8 +339,8 @@ std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const Surf
     if (!(point.footprint > 0) || !(size < 2)) continue;
     HashWords key = own_stream(layer, own, i, frame, seed);
     key.z = key.z + static_cast<std::uint32_t>(plane.face);
-    firsts[static_cast<std::size_t>(i)] =
-        first_flake(layer, flakes, point.normal, inside, at, size, key);
+    firsts[static_cast<std::size_t>(i)] = first_flake(layer, flakes, point.normal, inside,
+                                                      min(g_view / layer.eta, T(1)), at, size, key);
   }
   return firsts;
 }

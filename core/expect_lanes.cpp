@@ -34,7 +34,33 @@ Many gather(const Column& column, std::size_t at, std::size_t row, std::size_t r
   });
 }
 
+// x, y and z of the vectors that lie in turn in a, b and c.
+Vec3<Many> every_third(Simd a, Simd b, Simd c) {
+  using Vector [[gnu::vector_size(sizeof(Simd))]] = float;
+  using Places [[gnu::vector_size(sizeof(Simd))]] = int;
+  const auto component = [&](int at) {
+    Places in_a_b, in_all;
+    for (int lane = 0, count = kCount; lane < count; ++lane) {
+      const int place = 3 * lane + at;
+      in_a_b[lane] = place < 2 * count ? place : 0;
+      in_all[lane] = place < 2 * count ? lane : place - count;
+    }
+    const Vector ab = __builtin_shuffle(std::bit_cast<Vector>(a), std::bit_cast<Vector>(b), in_a_b);
+    return Many(std::bit_cast<Simd>(__builtin_shuffle(ab, std::bit_cast<Vector>(c), in_all)));
+  };
+  return {component(0), component(1), component(2)};
+}
+
 Vec3<Many> gather_vectors(const Column& column, std::size_t at, std::size_t row, std::size_t rows) {
+  if (row == 1 && rows == kCount) {
+    return column.as_they_are([&](const auto* first) {
+      const auto* from = first + 3 * at;
+      const auto in_turn = [&](std::size_t part) {
+        return Simd(from + part * kCount, std::experimental::element_aligned);
+      };
+      return every_third(in_turn(0), in_turn(1), in_turn(2));
+    });
+  }
   return {gather(column, 3 * at, 3 * row, rows), gather(column, 3 * at + 1, 3 * row, rows),
           gather(column, 3 * at + 2, 3 * row, rows)};
 }
@@ -95,8 +121,9 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
 
 // Flat: what is called there would else hand the lanes over through memory.
 [[gnu::flatten]] void METALLIC_PAINT_NAME(METALLIC_PAINT_LANES_FOR)(
-    const Paint& paint, const std::vector<Light<double>>& lights, const StreamKeys& keys,
-    const PixelBatch& batch, std::size_t begin, std::size_t end, ExpectedLights& to) {
+    const Paint& paint, const std::vector<Light<double>>& lights, std::size_t species,
+    const StreamKeys& keys, const PixelBatch& batch, const PixelResults& results, std::size_t begin,
+    std::size_t end, LightsToDraw& to) {
   Layer<Many> layer;
   std::vector<Light<Many>> slots;
   Many::in_lanes(kCount, [&] {
@@ -104,21 +131,22 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
     slots = slots_of<Many>(lights);
   });
   std::array<ExpectedLight, kCount> pixels;
+  // Made once: to clear them for each pixel took 7 % of the time.
+  SurfacePoint<Many> point{};
+  SlotView<Many> view;
   for (std::size_t i = begin; i < end; i += kCount) {
     const std::size_t rows = std::min(kCount, end - i);
-    const SurfacePoint<Many> point{gather_vectors(batch.position, i, 1, rows),
-                                   gather_vectors(batch.normal, i, 1, rows),
-                                   gather_vectors(batch.view, i, 1, rows),
-                                   gather(batch.footprint, i, 1, rows),
-                                   0,
-                                   0};
+    point.position = gather_vectors(batch.position, i, 1, rows);
+    point.normal = gather_vectors(batch.normal, i, 1, rows);
+    point.view = gather_vectors(batch.view, i, 1, rows);
+    point.footprint = gather(batch.footprint, i, 1, rows);
     // What is stored of a lane that is left behind later, its own pass overwrites.
     Many::in_lanes(rows, [&] {
-      const SlotView<Many> view = view_slots(slots, point);
+      view_slots(slots, point, view);
       for (std::size_t light = 0; light < slots.size(); ++light) {
         const int leader = view.leader[light];
         if (leader != static_cast<int>(light)) {
-          Many::each_followed([&](std::size_t lane) { to.take(i + lane, light, leader, nullptr); });
+          Many::each_followed([&](std::size_t lane) { to.follow(i + lane, light, leader); });
           continue;
         }
         Rgb<Many> slant{};
@@ -128,28 +156,40 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
         const Passage<Many> way =
             pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
         Rgb<Many> mean{}, variance{};
+        int places = 0;
+        Many mean_count = 0;  // of the species whose counts are told
+        Many::Mask lit(false);
         for (std::size_t at = 0; at < static_cast<std::size_t>(layer.species); ++at) {
           const ExpectedSparkles<Many> expected =
               expect_sparkles(layer, layer.flakes[at], point.footprint, way);
           mean = mean + mean_radiance(expected);
           variance = variance + radiance_variance(expected);
           const Many::Mask dark = dark_lanes(expected, keys[light][at], batch.pixel + 2 * i, rows);
+          lit = lit || !dark;
           Many::each_followed([&](std::size_t lane) {
             ExpectedSparkles<float>& one = pixels[lane].sparkles.expected[at];
             pixels[lane].dark[at] = dark[lane];
             if (dark[lane]) {
-              one.mean_count = expected.mean_count[lane];
-              one.slots = expected.slots;
               one.ceiling = expected.ceiling[lane];
             } else {
               one = of_lane(expected, lane);
             }
           });
+          if (at == species) {
+            places = expected.slots;
+            mean_count = expected.mean_count;
+          }
         }
         Many::each_followed([&](std::size_t lane) {
-          pixels[lane].sparkles.mean_radiance = of_lane(mean, lane);
-          pixels[lane].sparkles.variance = of_lane(variance, lane);
-          to.take(i + lane, light, leader, &pixels[lane]);
+          const std::size_t at = (i + lane) * slots.size() + light;
+          results.leader[at] = leader;
+          results.slots[at] = places;
+          results.mean_count[at] = static_cast<double>(mean_count[lane]);
+          results.count[at] = 0;
+          store_colour(results.radiance, at, Rgb<float>{});
+          store_colour(results.mean_radiance, at, of_lane(mean, lane));
+          store_colour(results.variance, at, of_lane(variance, lane));
+          if (lit[lane]) to.draw(i + lane, light, pixels[lane]);
         });
       }
     });

@@ -86,6 +86,37 @@ T share_in_common(const Layer<T>& layer, T delta, T x) {
   return sum;
 }
 
+// What the substrate scatters straight back comes and goes by the same holes. It lies g below the
+// layer, where the lowest flakes end, so that both ways are free with the probability
+//   exp(-x + c k),  k = integral of O((g + t H) delta/D) over t in [0, 1].
+// O is 1 - (4/pi) u + u^3/(3 pi/2) + ..., here with a last term that leaves the integral over [0,
+// 1] at its 4/(3 pi); C is within 0.001. Divided by w, the difference of two values of C is written
+// out, so that it keeps its digits.
+template <class T>
+T holes_in_common(T w, T g) {
+  const T way = max(w, T(1e-3));
+  const T u = min(g, T(1)), v = min(g + way, T(1));
+  const T sum = u + v, squares = u * u + v * v, product = u * v;
+  const T mean = 1 - sum * (T(0.63662) - (T(0.05305) * squares +
+                                          T(0.00798) * (squares * squares - product * product)));
+  return max((v - u) / way * mean, T(0));
+}
+
+template <class T>
+T holes_in_common(const Layer<T>& layer, T delta) {
+  const auto of = [&](std::size_t i) {
+    return holes_in_common(min(delta * layer.thickness_in_flakes[i], T(1e9)),
+                           min(delta * layer.gap_in_flakes[i], T(1e9)));
+  };
+  if (layer.species == 1) return of(0);
+  T sum = 0;
+  for (int i = 0; i < layer.species; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    sum = sum + layer.hiding[at] * of(at);
+  }
+  return sum;
+}
+
 // x' of x and G. No more is shared than either way has: t_p at another angle may say otherwise.
 template <class T>
 Rgb<T> less_in_common(const Layer<T>& layer, Rgb<T> x, Rgb<T> share) {

@@ -55,9 +55,9 @@ struct Layer {
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   T rayleigh_depth;     // H (16 pi/3) c1
   // Of hot_spot.h: c for each colour, and of each species its share of what all cover, its D in m,
-  // and H/D.
+  // H/D, and over D how far below the layer the substrate lies.
   Rgb<T> shared_blocking;
-  std::array<T, kSpecies> hiding, diameters, thickness_in_flakes;
+  std::array<T, kSpecies> hiding, diameters, thickness_in_flakes, gap_in_flakes;
   T haze;  // solid angle of tilts of the coat's facets, for each way through it
   DepthModel depth_model;
   Radiometry radiometry;
@@ -113,6 +113,15 @@ Rgb<T> shared_blocking_of(const Flakes<T>& flakes) {
   return kept * kept * (flakes.coverage * flakes.orientation.mean_cos);
 }
 
+// How far the lowest of these flakes reach below the layer, in which their centres lie. Of some
+// thousands one has a sin(beta) of 2.5 sqrt(1 - <cos(beta)>^2).
+template <class T>
+T reach_below(const Flakes<T>& flakes) {
+  const T mean_cos = flakes.orientation.mean_cos;
+  const T sine = sqrt(max((1 - mean_cos) * (1 + mean_cos), T(0)));
+  return flakes.diameter * min(T(1.25) * sine, T(0.5));
+}
+
 // The paint as the evaluation needs it; the operations are the shader's. `paint` must be valid.
 template <class T>
 Layer<T> make_layer(const Paint& paint) {
@@ -121,12 +130,14 @@ Layer<T> make_layer(const Paint& paint) {
   layer.species = 1;
   layer.coverage = 0;
   layer.shared_blocking = {};
+  T gap = 0;
   for (int i = 0; i < kSpecies; ++i) {
     Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
     flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
     if (flakes.areal_density > 0) layer.species = i + 1;
     layer.coverage += flakes.coverage;
     layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes);
+    if (flakes.coverage > 0) gap = max(gap, reach_below(flakes));
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3
   const T thickness_mm = static_cast<T>(paint.layer_thickness_um) * T(0.001);
@@ -137,6 +148,7 @@ Layer<T> make_layer(const Paint& paint) {
     if (layer.coverage > 0) layer.hiding[i] = layer.flakes[i].coverage / layer.coverage;
     layer.diameters[i] = layer.flakes[i].diameter;
     layer.thickness_in_flakes[i] = thickness_mm * T(0.001) / layer.diameters[i];
+    layer.gap_in_flakes[i] = gap / layer.diameters[i];
   }
   // Of two GGX densities convolved, those of the ways in and out, the peak is that of a disc of 3
   // pi alpha^2, 1.5 a way; their long tails take as much again from the flakes. The sparkles' mean

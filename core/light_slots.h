@@ -22,9 +22,10 @@ struct SlotView {
   std::array<int, kLightSlots> leader;
 };
 
+// slots: any that were found before.
 template <class T>
-SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point) {
-  SlotView<T> slots;
+void view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point,
+                SlotView<T>& slots) {
   const int count = min(static_cast<int>(lights.size()), kLightSlots);
   slots.leader.fill(-1);
   for (int i = 0; i < count; ++i) {
@@ -37,6 +38,12 @@ SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T
   group_lights(slots.seen.data(), slots.leader.data(), count);
   admit_melting(slots.seen.data(), slots.leader.data(), count);
   for (int& leader : slots.leader) leader = std::max(leader, -1);
+}
+
+template <class T>
+SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point) {
+  SlotView<T> slots;
+  view_slots(lights, point, slots);
   return slots;
 }
 

@@ -29,11 +29,15 @@ inline constexpr double kPerlinDeviation = 0.26;
 // The sine of how far above the horizon light leaves, unless the view is lower.
 inline constexpr double kLeastHeight = 0.01;
 
-// The normal tilted by a slope whose root mean square is `slope`; p, where the point lies in its
-// own space, and `size` in m.
+// p, where the point lies in its own space, and `size` in m.
 template <class T>
-Vec3<T> orange_peel(Vec3<T> normal, Vec3<T> p, T slope, T size) {
-  const Vec3<T> waves = perlin_noise(p / size);
+Vec3<T> waves_at(Vec3<T> p, T size) {
+  return perlin_noise(p / size);
+}
+
+// The normal tilted by a slope whose root mean square is `slope`.
+template <class T>
+Vec3<T> orange_peel(Vec3<T> normal, Vec3<T> waves, T slope) {
   const Vec3<T> across = waves - normal * dot(normal, waves);
   const Vec3<T> tilted =
       normal + across * (slope / (T(1.41421356237309504880L) * T(kPerlinDeviation)));

@@ -216,10 +216,10 @@ T cap_probability(const OrientationDensity<D>& density, T sin2_half_beta, T sin2
         const T near = sine(max((b + whole) / 2, T(0)));
         const T far = sine(max((beta + rho - b) / 2, T(0)));
         const T y = near * far / (sin_beta * sin_b);
-        if (y < T(0.5))
-          arc = sqrt(squared_angle(y)) / pi;
-        else if (y < 1)
-          arc = 1 - sqrt(squared_angle(1 - y)) / pi;
+        if (y < 1) {
+          const T nearer = sqrt(squared_angle(min(y, 1 - y))) / pi;
+          arc = y < T(0.5) ? nearer : 1 - nearer;
+        }
       }
       const T ring = rule.weight[i] * (6 * x * (1 - x)) * width * arc;
       sum = sum + ring * sin_b * orientation_density(density, sin_half * sin_half);

@@ -26,6 +26,7 @@ struct SurfacePoint {
   int pixel_x, pixel_y;
   OwnSpace<T> own{};
   bool bends = false;       // whether a wave of the orange peel lies over it
+  Vec3<T> waves{};          // what tilts normals there
   Vec3<T> wave{}, below{};  // its normal, and the view as under that
 };
 
@@ -39,8 +40,8 @@ template <class T>
 SurfacePoint<T> under_orange_peel(const Paint& paint, SurfacePoint<T> point) {
   if (!(paint.orange_peel > 0)) return point;
   point.bends = true;
-  point.wave = orange_peel(point.normal, point.own.position, static_cast<T>(paint.orange_peel),
-                           static_cast<T>(paint.orange_peel_mm) * T(0.001));
+  point.waves = waves_at(point.own.position, static_cast<T>(paint.orange_peel_mm) * T(0.001));
+  point.wave = orange_peel(point.normal, point.waves, static_cast<T>(paint.orange_peel));
   point.below =
       through_wave(point.view, point.normal, point.wave, static_cast<T>(paint.binder_ior));
   return point;

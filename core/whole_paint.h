@@ -2,7 +2,7 @@
 //
 // The whole paint's answer for a pixel: the coat over the flakes over what is scattered several
 // times,
-//   coat.reflected shine + coat.rest (sparkles + lobe + diffuse + glossy),
+//   coat.reflected shine + coat.rest (sparkles + lobe + diffuse + glossy + returned),
 // as the shader adds its closures. The sparkles are those of the listed lights, the lobe is the
 // flakes' mean under all other light; closures stand here for what Cycles makes of them.
 #pragma once
@@ -23,6 +23,7 @@
 #include "orange_peel.h"
 #include "paint.h"
 #include "passage.h"
+#include "phong_lobe.h"
 #include "sparkles.h"
 #include "texture.h"
 #include "vector.h"
@@ -38,12 +39,14 @@ struct Stack {
   T coat_alpha{};  // of the coat's facets; 0: a mirror
   T facets{};      // reflectance of each facet
   Composition composition{};
-  Rgb<T> diffuse{}, glossy{};  // albedos of the two lobes, textured
-  T alpha = 1;                 // of the glossy one
-  Ramp<T> ramp{};              // of the diffuse one
+  Rgb<T> diffuse{}, glossy{}, returned{};  // albedos of the mixture's lobes, textured
+  T alpha = 1;                             // of the glossy one
+  T exponent = 1;                          // of the returning one
+  Ramp<T> ramp{};                          // of the diffuse one
   T texture = 1;
   // 1 over the albedo of the facets: what scales the lobes of coat and mixture to reflect all.
   T coat_scale{}, glossy_scale{};
+  T returned_scale = 1;  // likewise over the share of the returning lobe above the surface
 };
 
 // `coat_normal`: of the binder's surface, before the orange peel.
@@ -72,9 +75,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   }
   stack.coat_normal = coat_normal;
   if (paint.orange_peel > 0) {
-    stack.coat_normal =
-        orange_peel(coat_normal, point.own.position, static_cast<T>(paint.orange_peel),
-                    static_cast<T>(paint.orange_peel_mm) * T(0.001));
+    stack.coat_normal = orange_peel(coat_normal, stack.at.waves, static_cast<T>(paint.orange_peel));
   }
   if (dot(stack.coat_normal, point.normal) < T(0.999999)) {
     stack.coat_normal = above_surface(stack.coat_normal, point.normal, point.view);
@@ -82,12 +83,16 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   const Mixture<T> scattered = mixture(layer, Rgb<T>(paint.substrate_color), cos_below);
   stack.diffuse = scattered.diffuse;
   stack.glossy = scattered.glossy;
+  stack.returned = scattered.returned;
   stack.alpha = scattered.alpha;
+  stack.exponent = scattered.exponent;
+  stack.returned_scale = 1 / scattered.above;
   stack.ramp = make_ramp(layer.eta);
   // What the sparkles outshine is Lambertian, as published.
   if (paint.composition == Composition::published) {
-    stack.diffuse = stack.diffuse + stack.glossy;
+    stack.diffuse = stack.diffuse + stack.glossy + stack.returned;
     stack.glossy = {};
+    stack.returned = {};
   }
   if (paint.texture_contrast > 0) {
     stack.texture =
@@ -106,17 +111,29 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   }
   stack.diffuse = stack.diffuse * stack.texture;
   stack.glossy = stack.glossy * stack.texture;
+  stack.returned = stack.returned * stack.texture;
   return stack;
 }
 
-// f cos(theta') of the diffuse and of the glossy lobe, 1/sr. As published the diffuse one is
-// Lambertian.
+// About it the returning lobe mirrors the view: near the view, leaning to the normal.
+template <class T>
+Vec3<T> returning_normal(Vec3<T> normal, Vec3<T> view) {
+  const Vec3<T> sum = view + normal * T(kLean);
+  return sum * (1 / length(sum));
+}
+
+// f cos(theta') of the diffuse, the glossy and the returning lobe, 1/sr. As published the diffuse
+// one is Lambertian.
 template <class T>
 Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light) {
   T shape = max(dot(point.normal, light), T(0));
   if (stack.composition == Composition::exact) shape = ramp_at(stack.ramp, shape);
   const T lobe = facet_lobe(point.normal, point.view, light, stack.alpha) * stack.glossy_scale;
-  return stack.diffuse * (shape / std::numbers::pi_v<T>)+stack.glossy * lobe;
+  const T returned =
+      phong_lobe(returning_normal(point.normal, point.view), point.view, light, stack.exponent) *
+      stack.returned_scale;
+  return stack.diffuse * (shape / std::numbers::pi_v<T>)+stack.glossy * lobe +
+         stack.returned * returned;
 }
 
 // coat.reflected shine: the coat's highlight per unit of the irradiance on a plane normal to the
@@ -137,7 +154,7 @@ T coat_shine(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light,
 template <class T>
 struct Shade {
   Rgb<T> sparkles{};   // as they join the rest: of Composition::published, what they outshine it by
-  Rgb<T> scattered{};  // diffuse and glossy lobe
+  Rgb<T> scattered{};  // by the mixture's lobes
   T shine{};           // of the coat
   Rgb<T> radiance{};   // shine + coat.rest (sparkles + scattered)
 };
@@ -216,8 +233,8 @@ Rgb<T> directional_albedo(const Layer<T>& layer, const Stack<T>& stack,
     const T cosine = clamp(dot(stack.coat_normal, point.view), T(0), T(1));
     reflected = cosine > 0 ? reflected * facet_lobe_albedo(cosine, stack.coat_alpha) : T(0);
   }
-  const Rgb<T> below =
-      flake_albedo(layer, point.normal, view_below(stack.at)) + stack.diffuse + stack.glossy;
+  const Rgb<T> below = flake_albedo(layer, point.normal, view_below(stack.at)) + stack.diffuse +
+                       stack.glossy + stack.returned;
   return grey(reflected) + below * stack.coat.rest;
 }
 

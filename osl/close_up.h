@@ -162,13 +162,12 @@ FirstFlake no_flake()
   return first;
 }
 
-FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, vector inside, LatticePoint at,
-                       float size, HashWords key)
+FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, vector inside, float cos_in, float area,
+                       LatticePoint at, float size, HashWords key)
 {
   FirstFlake first = no_flake();
-  float cos_in = min(inner_product(inside, n), 1.0);
   first.passed = passed_over(flakes, library);
-  first.hiding = (1.0 - first.passed) * (flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in);
+  first.hiding = (1.0 - first.passed) * (flakes.coverage * area / cos_in);
   if (!(first.hiding > 0.0))
     return first;
   float block = BLOCK_SIDE * sqrt(flakes.flake_area);
@@ -284,6 +283,6 @@ void look_close(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoi
       continue;
     HashWords key = own_stream(layer, own, i, frame, seed);
     key.z = key.z + plane.face;
-    firsts[i] = first_flake(layer, some, library, surface.n, inside, at, size, key);
+    firsts[i] = first_flake(layer, some, library, surface.n, inside, surface.cos_in, surface.areas[i], at, size, key);
   }
 }

@@ -29,6 +29,8 @@
 #define SHOW_OWN_Y 21
 #define SHOW_OWN_Z 22
 #define SHOW_INSTANCE 23
+#define SHOW_RETURNED 24      // albedo of the returning lobe: what leaves by the hole that it came in by, RGB
+#define SHOW_EXPONENT 25      // of that lobe, and 1 over its share above the surface
 
 int is_sound(float x)
 {
@@ -85,7 +87,8 @@ int is_sound(color x)
     Shown = color(pixel.raster); \
   else if (Diagnostic == SHOW_SOUND) \
     Shown = color(all_sound && is_sound(stack.coat.reflected) && is_sound(stack.coat.rest) && is_sound(stack.diffuse) && \
-                  is_sound(stack.glossy) && is_sound(stack.alpha)); \
+                  is_sound(stack.glossy) && is_sound(stack.alpha) && is_sound(stack.returned) && is_sound(stack.exponent) && \
+                  is_sound(stack.returned_scale)); \
   else if (Diagnostic == SHOW_DIFFUSE) \
     Shown = stack.diffuse; \
   else if (Diagnostic == SHOW_TEXTURE) \
@@ -104,6 +107,10 @@ int is_sound(color x)
     Shown = color(surface.own.z); \
   else if (Diagnostic == SHOW_INSTANCE) \
     Shown = color(surface.own.instance); \
+  else if (Diagnostic == SHOW_RETURNED) \
+    Shown = stack.returned; \
+  else if (Diagnostic == SHOW_EXPONENT) \
+    Shown = color(stack.exponent, stack.returned_scale, 0.0); \
   if (Diagnostic == SHOW_IRRADIANCE) \
     BSDF = irradiance; \
   else if (Diagnostic == SHOW_SPARKLES) \

@@ -83,7 +83,7 @@ float mean_transmittance(float x)
 // How many channels need computing: one of a grey. LLVM would copy a loop that it knows to run three times.
 int channels_of(color x)
 {
-  return x[0] == x[1] && x[1] == x[2] ? 1 : 3;
+  return x == color(x[0]) ? 1 : 3;
 }
 
 color exponential(color x)

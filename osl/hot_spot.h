@@ -59,6 +59,30 @@ float share_in_common(Layer layer, float delta, float x)
   return sum;
 }
 
+float holes_in_common(float w, float g)
+{
+  float way = max(w, 1e-3);
+  float u = min(g, 1.0);
+  float v = min(g + way, 1.0);
+  float sum = u + v;
+  float squares = u * u + v * v;
+  float product = u * v;
+  float mean = 1.0 - sum * (0.63662 - (0.05305 * squares + 0.00798 * (squares * squares - product * product)));
+  return max((v - u) / way * mean, 0.0);
+}
+
+float holes_in_common(Layer layer, float delta)
+{
+  float sum = holes_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), min(delta * layer.gap_in_flakes[0], 1e9));
+  if (layer.species > 1) {
+    sum = sum * layer.hiding[0];
+    for (int i = 1; i < layer.species; ++i)
+      sum = sum + layer.hiding[i] * holes_in_common(min(delta * layer.thickness_in_flakes[i], 1e9),
+                                                    min(delta * layer.gap_in_flakes[i], 1e9));
+  }
+  return sum;
+}
+
 color less_in_common(Layer layer, color x, color share)
 {
   return x - min(layer.shared_blocking, x * 0.5) * share;

@@ -36,6 +36,7 @@ struct Layer {
   color hiding;
   color diameters;
   color thickness_in_flakes;
+  color gap_in_flakes;
   float haze;
   int depth_model;
   int radiometry;
@@ -90,6 +91,13 @@ color shared_blocking_of(Flakes some, float library[])
   return kept * kept * (some.coverage * some.orientation.mean_cos);
 }
 
+float reach_below(Flakes some)
+{
+  float mean_cos = some.orientation.mean_cos;
+  float sine = sqrt(max((1.0 - mean_cos) * (1.0 + mean_cos), 0.0));
+  return some.diameter * min(1.25 * sine, 0.5);
+}
+
 // `present`: how many of the flakes are made.
 Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present, float library[])
 {
@@ -101,12 +109,17 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   layer.shared_blocking = shared_blocking_of(first, library);
   color covered = color(first.coverage, 0.0, 0.0);
   layer.diameters = color(first.diameter);
+  float gap = 0.0;
+  if (first.coverage > 0.0)
+    gap = reach_below(first);
   if (present > 1) {
     for (int i = 1; i < present; ++i) {
       if (flakes[i].areal_density > 0.0)
         layer.species = i + 1;
       layer.coverage = layer.coverage + flakes[i].coverage;
       layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes[i], library);
+      if (flakes[i].coverage > 0.0)
+        gap = max(gap, reach_below(flakes[i]));
     }
     covered = color(first.coverage, flakes[1].coverage, flakes[2].coverage);
     layer.diameters = color(first.diameter, flakes[1].diameter, flakes[2].diameter);
@@ -119,6 +132,7 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   if (layer.coverage > 0.0)
     layer.hiding = covered / layer.coverage;
   layer.thickness_in_flakes = color(thickness_mm * 0.001) / layer.diameters;
+  layer.gap_in_flakes = color(gap) / layer.diameters;
   float alpha = given.coat_roughness * given.coat_roughness;
   layer.haze = 3.0 * M_PI * (alpha * alpha);
   layer.depth_model = given.depth_model;
@@ -139,17 +153,33 @@ Flakes flakes_of(Layer layer, Flakes flakes[SPECIES], int species)
   return some;
 }
 
-color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
+// mean_projected_area of each species.
+color projected_areas(Layer layer, Flakes flakes[SPECIES], float cos_in)
+{
+  color areas = color(0.0);
+  for (int i = 0; i < layer.species; ++i) {
+    Flakes some = flakes_of(layer, flakes, i);
+    areas[i] = mean_projected_area(some.orientation, cos_in);
+  }
+  return areas;
+}
+
+color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
 {
   color sum = color(0.0);
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, flakes, i);
-    sum = sum + blocked_area(some.orientation, some.coating, library, cos_in) * some.coverage;
+    sum = sum + blocked_area(some.orientation, some.coating, library, areas[i], cos_in) * some.coverage;
   }
   return sum;
 }
 
+color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
+{
+  return slant_depth(flake_blocking(layer, flakes, library, areas, cos_in), layer.binder_depth, cos_in);
+}
+
 color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
 {
-  return slant_depth(flake_blocking(layer, flakes, library, cos_in), layer.binder_depth, cos_in);
+  return slant_depth_of(layer, flakes, library, projected_areas(layer, flakes, cos_in), cos_in);
 }

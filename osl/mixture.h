@@ -117,6 +117,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float critical = surface.critical;
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float across = cos_in - critical;
+  float way_in = 1.0 / cos_in;
   color shared = layer.shared_blocking;
   float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
@@ -150,7 +151,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
       float h = tilt.sin2_half_beta;
       float cos_beta = 1.0 - 2.0 * h;
       float p = cos_beta * cos_in;
-      float q = 2.0 * sqrt(h * (1.0 - h)) * sin_in;
+      float sin_beta = 2.0 * sqrt(h * (1.0 - h));
+      float q = sin_beta * sin_in;
       float a = 2.0 * p * cos_beta - cos_in;
       float b = 2.0 * q * cos_beta;
       float limit = HALF_PI;
@@ -178,8 +180,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
         if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
           float way_out = 1.0 / cos_exit;
-          float turned = 2.0 * cos_alpha * way_out * (2.0 * sqrt(h * (1.0 - h)));
-          float apart = sin_in * (1.0 / cos_in + way_out) - turned * cos_phi;
+          float turned = 2.0 * cos_alpha * way_out * sin_beta;
+          float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
           float delta = sqrt(apart * apart + aside);
           sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
@@ -340,12 +342,11 @@ void add_diffuse(output DiffuseRates rates, DiffuseRates more)
 }
 
 void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
-                DiffuseSurface surface, float cos_in, color slant_view)
+                DiffuseSurface surface, float cos_in, float area, color slant_view)
 {
   Flakes some = flakes_of(layer, flakes, species);
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
-  float area = mean_projected_area(orientation, cos_in);
   Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in);
   float flux = some.coverage / cos_in;
   color r = coating_reflectance(coating, library, cos_in);
@@ -381,6 +382,8 @@ struct DiffuseShares {
   float trapped_out;
   float trapped_down;
   float below;
+  float straight;
+  float lost;
 };
 
 DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface surface, float absorption, float rayleigh,
@@ -414,18 +417,64 @@ DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface 
   shares.trapped_out = trapped_out;
   shares.trapped_down = trapped_down;
   shares.below = (leaving + returned * trapped_out) / ((1.0 - substrate) + substrate * not_back);
+  shares.straight = lambertian_escape(surface) * exponential(-(diffuse_light.cone_mirror[c] + diffuse_light.cone_loss[c] +
+                                                               (absorption + rayleigh) * cone_path));
+  shares.lost = max(1.0 - shares.below, 0.0) / max(1.0 - shares.straight, 1e-6);
   return shares;
+}
+
+#define LEAN 0.19
+#define MOST_EXPONENT 1e4
+
+struct Returning {
+  color free;
+  color far;
+  color near;
+  float lobe;
+  float above;
+  float exponent;
+};
+
+Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float cos_in, float cos_view)
+{
+  color thickness = layer.hiding * layer.thickness_in_flakes;
+  float over_flakes = thickness[0] + thickness[1] + thickness[2];
+  float narrow = 1.0 + 0.115 * over_flakes;
+  float exponent = 4.8 * (narrow * narrow);
+  float steep = (1.0 - cos_in) * (1.0 + cos_in) / (cos_in * cos_in);
+  float beyond = 1.0 - surface.cone;
+  float apart = sqrt(0.71 * surface.cone / max(beyond, 1e-3) + steep);
+  float axis = 2.0 * (1.0 + LEAN * cos_view) * (cos_view + LEAN) / (1.0 + LEAN * (LEAN + 2.0 * cos_view)) - cos_view;
+  Returning back;
+  float far = holes_in_common(layer, apart);
+  color shared = min(layer.shared_blocking, slant_view);
+  int channels = channels_of(slant_view) == 1 && channels_of(shared) == 1 ? 1 : 3;
+  for (int c = 0; c < channels; ++c) {
+    back.free[c] = exponential(-slant_view[c]);
+    back.far[c] = exponential(shared[c] * far - slant_view[c]);
+    back.near[c] = exponential(shared[c] - slant_view[c]);
+  }
+  if (channels == 1) {
+    back.free = color(back.free[0]);
+    back.far = color(back.far[0]);
+    back.near = color(back.near[0]);
+  }
+  back.lobe = 2.1 / ((exponent + 2.0) * (1.0 + 0.42 * over_flakes)) * lambertian_escape(surface) * axis;
+  back.above = 1.0 - 0.5 * exponential(-0.93 * (exponent + 1.0) * (axis * axis));
+  back.exponent = min(exponent, MOST_EXPONENT);
+  return back;
 }
 
 struct MixtureShares {
   float whole;
   float glossy;
+  float returned;
 };
 
 // In the colour channel c: 0, 1, 2.
-MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, DiffuseShares diffused, int c,
-                              DiffuseSurface surface, float absorption, float rayleigh, float substrate, float cos_in,
-                              int correlated)
+MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffuse_light, DiffuseShares diffused,
+                              Returning back, int c, DiffuseSurface surface, float absorption, float rayleigh,
+                              float substrate, float cos_in)
 {
   float pigment_back = rayleigh / 2.0;
   float flake_mirror = flakes.escaping[c] + flakes.inside[c] + flakes.outside[c];
@@ -471,14 +520,20 @@ MixtureShares mixture_channel(FlakeRates flakes, DiffuseRates diffuse_light, Dif
   MixtureShares shares;
   shares.whole = max(albedo - single, 0.0);
   shares.glossy = clamp(about.mirrored * unpigmented * series - single, 0.0, shares.whole);
-  if (correlated) {
+  shares.returned = 0.0;
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
     float kept = 1.0 - loss * met_once;
     float left = kept - single;
     float less = 1.0;
     if (left > 0.0)
       less = clamp((kept - flakes.single.correlated[c]) / left, 0.0, 1.0);
-    shares.whole = shares.whole * less;
+    float free = back.free[c];
+    float far = back.far[c];
+    float returned = substrate * free * max(back.near[c] - far, 0.0) * (back.lobe * back.above);
+    float more = substrate * diffused.straight * max(far - free, 0.0) + returned;
     shares.glossy = shares.glossy * less;
+    shares.whole = min(shares.whole * less + more * diffused.lost, 1.0);
+    shares.returned = min(returned, max(shares.whole - shares.glossy, 0.0));
   }
   return shares;
 }
@@ -499,7 +554,10 @@ float glossy_roughness(DiffuseRates diffuse_light, float eta, float cos_view)
 struct Mixture {
   color diffuse_albedo;
   color glossy_albedo;
+  color returned_albedo;
   float alpha;
+  float exponent;
+  float above;
 };
 
 Mixture no_mixture()
@@ -507,11 +565,15 @@ Mixture no_mixture()
   Mixture none;
   none.diffuse_albedo = color(0.0);
   none.glossy_albedo = color(0.0);
+  none.returned_albedo = color(0.0);
   none.alpha = 1.0;
+  none.exponent = 1.0;
+  none.above = 1.0;
   return none;
 }
 
-Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slant_view, color substrate,
+// `areas`, `slant_view`: of the way to the observer.
+Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color areas, color slant_view, color substrate,
                 float cos_view)
 {
   Mixture sum = no_mixture();
@@ -534,7 +596,7 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, flakes, i);
     if (some.coverage > 0.0)
-      add_flakes(rates, layer, flakes, i, library, surface, cos_in, slant_view);
+      add_flakes(rates, layer, flakes, i, library, surface, cos_in, areas[i], slant_view);
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
@@ -542,12 +604,16 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
   color trapped_out;
   color trapped_down;
   color below;
+  color straight;
+  color lost;
   if (layer.species > 1) {
     for (int c = 0; c < 3; ++c) {
       DiffuseShares one = diffuse_channel(diffuse_light, c, surface, absorption[c], rayleigh, substrate[c]);
       trapped_out[c] = one.trapped_out;
       trapped_down[c] = one.trapped_down;
       below[c] = one.below;
+      straight[c] = one.straight;
+      lost[c] = one.lost;
     }
   }
   else {
@@ -557,18 +623,34 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color slan
     trapped_out = color(red.trapped_out, green.trapped_out, blue.trapped_out);
     trapped_down = color(red.trapped_down, green.trapped_down, blue.trapped_down);
     below = color(red.below, green.below, blue.below);
+    straight = color(red.straight, green.straight, blue.straight);
+    lost = color(red.lost, green.lost, blue.lost);
   }
+  Returning back;
+  back.free = color(0.0);
+  back.far = color(0.0);
+  back.near = color(0.0);
+  back.lobe = 0.0;
+  back.above = 1.0;
+  back.exponent = 1.0;
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED)
+    back = returning(layer, surface, slant_view, cos_in, cos_view);
   for (int c = 0; c < 3; ++c) {
     DiffuseShares diffused;
     diffused.trapped_out = trapped_out[c];
     diffused.trapped_down = trapped_down[c];
     diffused.below = below[c];
+    diffused.straight = straight[c];
+    diffused.lost = lost[c];
     MixtureShares shares =
-        mixture_channel(rates, diffuse_light, diffused, c, surface, absorption[c], rayleigh, substrate[c], cos_in,
-                        layer.depth_model == DEPTH_MODEL_CORRELATED);
-    sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy);
+        mixture_channel(layer, rates, diffuse_light, diffused, back, c, surface, absorption[c], rayleigh, substrate[c],
+                        cos_in);
+    sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy - shares.returned);
     sum.glossy_albedo[c] = entered * shares.glossy;
+    sum.returned_albedo[c] = entered * shares.returned;
   }
   sum.alpha = glossy_roughness(diffuse_light, eta, cos_view);
+  sum.exponent = back.exponent;
+  sum.above = back.above;
   return sum;
 }

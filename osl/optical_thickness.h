@@ -27,9 +27,9 @@ color mean_flake_transmittance(OrientationDensity density, Coating coating, floa
   return sum / area;
 }
 
-color blocked_area(OrientationDensity density, Coating coating, float library[], float cos_theta)
+// `area`: the flakes' mean projected area in that direction.
+color blocked_area(OrientationDensity density, Coating coating, float library[], float area, float cos_theta)
 {
-  float area = mean_projected_area(density, cos_theta);
   color passed = color(0.0);
   if (coating.kind == COATING_COLORS)
     passed = coating.transmittance;

@@ -13,10 +13,15 @@
 #define PERLIN_DEVIATION 0.26
 #define LEAST_HEIGHT 0.01  // the sine of how far above the horizon light leaves, unless the view is lower
 
-// The normal tilted by a slope whose root mean square is `slope`; p, where the point lies in its own space, and `size` in m.
-vector orange_peel(vector n, point p, float slope, float size)
+// p, where the point lies in its own space, and `size` in m.
+vector waves_at(point p, float size)
 {
-  vector waves = noise("perlin", p / size);
+  return noise("perlin", p / size);
+}
+
+// The normal tilted by a slope whose root mean square is `slope`.
+vector orange_peel(vector n, vector waves, float slope)
+{
   vector across = waves - n * inner_product(n, waves);
   vector tilted = n + across * (slope / (1.41421356 * PERLIN_DEVIATION));
   return tilted / sqrt(inner_product(tilted, tilted));

@@ -176,10 +176,10 @@ float cap_probability(OrientationDensity density, float sin2_half_beta, float si
         float near = sine(max((b + whole) / 2.0, 0.0));
         float far = sine(max((beta + rho - b) / 2.0, 0.0));
         float y = near * far / (sin_beta * sin_b);
-        if (y < 0.5)
-          arc = sqrt(squared_angle(y)) / M_PI;
-        else if (y < 1.0)
-          arc = 1.0 - sqrt(squared_angle(1.0 - y)) / M_PI;
+        if (y < 1.0) {
+          float nearer = sqrt(squared_angle(min(y, 1.0 - y))) / M_PI;
+          arc = y < 0.5 ? nearer : 1.0 - nearer;
+        }
       }
       float ring = weight[i] * (6.0 * x * (1.0 - x)) * width * arc;
       sum = sum + ring * sin_b * orientation_density(density, sin_half * sin_half);

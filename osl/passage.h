@@ -16,12 +16,16 @@ struct SurfacePoint {
   vector n;
   vector view;
   float footprint;
-  color slant;  // optical depth of the layer towards the observer
+  // Towards the observer, under the surface:
+  float cos_in;
+  color areas;  // mean projected area of each species' flakes
+  color slant;  // optical depth of the layer
   int pixel_x;
   int pixel_y;
   OwnSpace own;
   LatticePlane plane;  // of that and n
   int bends;  // whether a wave of the orange peel lies over it
+  vector waves;  // what tilts normals there
   vector wave;  // its normal
   vector below;  // the view as under that
 };

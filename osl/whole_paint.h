@@ -17,7 +17,10 @@ struct Stack {
   float facets;
   color diffuse;
   color glossy;
+  color returned;
   float alpha;
+  float exponent;
+  float returned_scale;
   float texture;
 };
 
@@ -46,24 +49,35 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
   }
   vector coat_n = given_coat_n;
   if (given.orange_peel > 0.0)
-    coat_n = orange_peel(coat_n, surface.own.position, given.orange_peel, given.orange_peel_mm * 0.001);
+    coat_n = orange_peel(coat_n, surface.waves, given.orange_peel);
   if (inner_product(coat_n, n) < 0.999999)
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = mixture(layer, flakes, library, surface.slant, given.substrate_color, cos_below);
+  Mixture scattered = mixture(layer, flakes, library, surface.areas, surface.slant, given.substrate_color, cos_below);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
+  stack.returned = scattered.returned_albedo;
   stack.alpha = scattered.alpha;
+  stack.exponent = scattered.exponent;
+  stack.returned_scale = 1.0 / scattered.above;
   // What the sparkles outshine is Lambertian, as published.
   if (given.composition == COMPOSITION_PUBLISHED) {
-    stack.diffuse = stack.diffuse + stack.glossy;
+    stack.diffuse = stack.diffuse + stack.glossy + stack.returned;
     stack.glossy = color(0.0);
+    stack.returned = color(0.0);
   }
   stack.texture = 1.0;
   if (given.texture_contrast > 0.0)
     stack.texture = texture_at(layer, surface, given.texture_contrast, frame, given.seed);
   stack.diffuse = stack.diffuse * stack.texture;
   stack.glossy = stack.glossy * stack.texture;
+  stack.returned = stack.returned * stack.texture;
   return stack;
+}
+
+vector returning_normal(vector n, vector view)
+{
+  vector sum = view + n * LEAN;
+  return sum * (1.0 / sqrt(inner_product(sum, sum)));
 }

@@ -84,14 +84,15 @@ class Shades(TypedDict):
     radiance: NDArray[np.float64]  # (n, m, 3): of the whole paint, 1/sr
     mean_radiance: NDArray[np.float64]  # (n, m, 3): with the sparkles' mean
     sparkles: NDArray[np.float64]  # (n, m, 3): as Composition joins them
-    scattered: NDArray[np.float64]  # (n, m, 3): diffuse and glossy lobe
+    scattered: NDArray[np.float64]  # (n, m, 3): the mixture's lobes
     shine: NDArray[np.float64]  # (n, m): the coat's
     coat_reflected: NDArray[np.float64]  # (n,)
     coat_rest: NDArray[np.float64]  # (n,): the share of all but the shine
     coat_normal: NDArray[np.float64]  # (n, 3): with the orange peel
     diffuse: NDArray[np.float64]  # (n, 3): albedo of the diffuse lobe, with the texture
     glossy: NDArray[np.float64]  # (n, 3): of the glossy one
-    alpha: NDArray[np.float64]  # (n,): its roughness
+    returned: NDArray[np.float64]  # (n, 3): of the one that goes back to the light
+    alpha: NDArray[np.float64]  # (n,): roughness of the glossy one
     texture: NDArray[np.float64]  # (n,)
 
 def shade(
@@ -171,7 +172,10 @@ def flake_brdf(
 class Mixture(TypedDict):
     diffuse: NDArray[np.float64]  # (..., 3): albedo of the diffuse lobe
     glossy: NDArray[np.float64]  # (..., 3): of the lobe of GGX microfacets that reflect all
-    alpha: NDArray[np.float64]  # (...): roughness of that lobe
+    returned: NDArray[np.float64]  # (..., 3): of the lobe about the view
+    alpha: NDArray[np.float64]  # (...): roughness of the glossy lobe
+    exponent: NDArray[np.float64]  # (...): of the returning lobe
+    above: NDArray[np.float64]  # (...): its share above the surface
 
 def mixture(paint: Paint, substrate: ArrayLike, cos_view: ArrayLike) -> Mixture: ...
 def hash_words(

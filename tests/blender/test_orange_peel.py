@@ -24,7 +24,7 @@ shader probe(int Show = 0, output color Shown = 0.0)
   if (x > 100.0)
     p = p * 64.0;
   if (Show == 1)
-    Shown = 0.5 + 0.5 * color(orange_peel(vector(0.0, 0.0, 1.0), p, {slope}, 1.0));
+    Shown = 0.5 + 0.5 * color(orange_peel(vector(0.0, 0.0, 1.0), waves_at(p, 1.0), {slope}));
   else
     Shown = color(p + point(4096.0));
 }}

@@ -419,7 +419,10 @@ def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
     probe = scene_with(paint, elevation=ELEVATIONS[k])
     expected = core.mixture(core_paint(paint), paint.substrate_color, view_of(probe)[2])
     probe.scene.cycles.samples = 1
-    inner = {"diffuse": verify.DIFFUSE, "glossy": verify.GLOSSY, "alpha": verify.ROUGHNESS}
+    inner = {
+        "diffuse": verify.DIFFUSE, "glossy": verify.GLOSSY, "returned": verify.RETURNED,
+        "alpha": verify.ROUGHNESS,
+    }  # fmt: skip
     for name, diagnostic in inner.items():
         shown = probe.image(diagnostic).reshape(-1, 3)
         wanted = np.broadcast_to(expected[name], shown.shape)

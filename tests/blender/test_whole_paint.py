@@ -125,6 +125,24 @@ def test_a_sun_at_any_slant_lights_the_substrate_as_the_core_says(elevation: flo
     np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
 
 
+@pytest.mark.parametrize("view", [(50, 30), (70, -60), (20, 20)])
+def test_a_sun_sees_the_substrate_by_the_holes_it_comes_by_as_the_core_says(view: tuple) -> None:
+    """Black flakes: what is seen is the substrate. The camera looks from an azimuth of 0."""
+    paint = Paint(
+        flakes_per_mm2=3000, flake_diameter_um=20, flake_color=(0, 0, 0),
+        flake_edge_color=(0, 0, 0), substrate_color=(0.9, 0.5, 0.2),
+    )  # fmt: skip
+    elevation, azimuth = view
+    lamps = (scenes.sun("Sun", 45, azimuth, 0),)
+    probe = probe_of(dataclasses.replace(PLANE, paint=paint, lamps=lamps, elevation=elevation))
+    needs.fit(probe.scene)
+    picture, geometry = probe.picture(), probe.geometry()
+    shade = core.shade(core_paint(paint), core_lights(), **geometry.places())
+    assert shade["returned"].min() > 1e-3
+    wanted = bpy.data.lights["Sun"].energy * shade["radiance"][:, 0]
+    np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
+
+
 # --- composition -------------------------------------------------------------------------------
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

@@ -171,7 +171,7 @@ TEST(CloseUp, APointIsCoveredAsOftenAsThePoissonLawSays) {
     double b = 0;
     for (int draw = 0; draw < 20'000; ++draw) {
       const auto first =
-          first_flake(layer, layer.flakes[i], scene.normal, inside,
+          first_flake(layer, layer.flakes[i], scene.normal, inside, dot(inside, scene.normal),
                       lattice_across(own, scene.normal, random), 0.0, key_of(random));
       b = first.hiding;
       covered.add(first.seen ? 1 : 0);
@@ -226,7 +226,7 @@ TEST(CloseUp, TheMeanOfTheSparklesIsTheClosedForms) {
     double variance = 0;
     while (found.n < draws) {
       const auto first =
-          first_flake(layer, flakes, scene.normal, inside,
+          first_flake(layer, flakes, scene.normal, inside, dot(inside, scene.normal),
                       lattice_across(own, scene.normal, random), 0.0, key_of(random));
       const double shown = channel(flake_radiance(layer, flakes, first, expected, way), k % 3);
       found.add(shown);
@@ -267,7 +267,9 @@ TEST(CloseUp, FlakesThatTransmitAreSeenThrough) {
         LatticePoint<double> near = at;
         near.a += 1e-3 * layer.flakes[0].diameter * random.uniform();
         near.b += 1e-3 * layer.flakes[0].diameter * random.uniform();
-        return first_flake(layer, layer.flakes[0], scene.normal, inside, near, 0.0, key).depth;
+        return first_flake(layer, layer.flakes[0], scene.normal, inside, dot(inside, scene.normal),
+                           near, 0.0, key)
+            .depth;
       };
       double least = 1;  // the uppermost's, which 80 looks miss with a probability below 1e-7
       for (int place = 0; place < 80; ++place) least = std::min(least, look());
@@ -297,8 +299,9 @@ TEST(CloseUp, TheMeanOfTheLobeIsTheClosedForms) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
         // The last of several as in counts, to see them side by side.
         if (i == 2) continue;
-        firsts[i] = first_flake(layer, layer.flakes[i], scene.normal, inside,
-                                lattice_across(own, scene.normal, random), 0.0, key_of(random));
+        firsts[i] =
+            first_flake(layer, layer.flakes[i], scene.normal, inside, dot(inside, scene.normal),
+                        lattice_across(own, scene.normal, random), 0.0, key_of(random));
       }
       const auto sample = sample_flake(layer, scene.normal, scene.view, random.uniform(),
                                        random.uniform(), firsts.data());

@@ -270,6 +270,59 @@ TEST(DiscWalk, SingleMirroringIsThatOfTracedDiscs) {
 }
 
 // Nothing but the substrate: Lambert's law under a smooth surface, in closed form.
+// Of light that the substrate scatters straight back, exp(c k) times as much as by ways that share
+// nothing (hot_spot.h): of level flakes but for tilts up to 0.2, also through two species.
+TEST(DiscWalk, TheSubstrateIsSeenByTheHolesItsLightComesBy) {
+  Random random = fresh(1705);
+  Worst worst;
+  double most = 1;
+  for (int k = 0; k < 6; ++k) {
+    DiscScene scene;
+    Paint& paint = scene.paint;
+    paint.layer_thickness_um = 40;
+    cover(paint, 40, random.log_uniform(0.15, 1.5), random.uniform(0.3, 1));
+    paint.orientation = Orientation::beckmann;
+    paint.tilt = random.uniform(0.05, 0.2);
+    paint.flake_color = paint.flake_edge_color = {};
+    if (k % 2 == 1) {
+      FlakeSpecies& more = paint.more[0];
+      more = paint;
+      cover(more, 40, random.log_uniform(0.15, 1.5), 0.4);
+    }
+    scene.light = direction(40);
+    scene.detectors = {direction(40), direction(20), direction(60), direction(0),
+                       direction(40, kPi / 2)};
+    scene.detector_radius = 0.02;
+    scene.photons = 200'000;
+    scene.layers = 128;
+    scene.seed = random.bits();
+    const DiscResult traced = reference::trace_discs(scene);
+    reference::WalkScene apart{paint, scene.substrate, scene.light, scene.detectors, 200'000};
+    const reference::WalkResult walked = reference::walk(apart);
+    const auto layer = metallic_paint::make_layer<double>(paint);
+    const auto inside = [&](Vec3<double> v) {
+      return metallic_paint::eta_cos_refracted(v.z, layer.eta);
+    };
+    for (std::size_t i = 0; i < scene.detectors.size(); ++i) {
+      const Vec3<double> view = scene.detectors[i];
+      const double apart_by = metallic_paint::ways_apart(
+          {0, 0, 1}, view, view.z, inside(view), scene.light, scene.light.z, inside(scene.light));
+      const double more =
+          std::exp(layer.shared_blocking.y * metallic_paint::holes_in_common(layer, apart_by));
+      most = std::max(most, more);
+      const Estimate& by_discs = traced.brdf[i].part[reference::substrate];
+      const Estimate& by_walk = walked.brdf[i].part[reference::substrate];
+      const double error =
+          std::hypot(by_discs.error.y / by_discs.mean.y, by_walk.error.y / by_walk.mean.y);
+      const double off = std::abs(by_walk.mean.y * more / by_discs.mean.y - 1);
+      worst.see(std::max(off - 5 * error, 0.0), "off", off, "error", error, "more", more, "k", k,
+                "i", i);
+    }
+  }
+  worst.expect_at_most(0.05);
+  EXPECT_GT(most, 1.5);
+}
+
 TEST(DiscWalk, RepeatsItselfAndTakesNoFlakes) {
   DiscScene scene;
   scene.paint.flakes_per_mm2 = 0;

@@ -85,7 +85,13 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   ASSERT_TRUE(sound(all.mean_radiance)) << type << " all " << all.mean_radiance.x << ' ' << scene;
   ASSERT_TRUE(sound(scattered.diffuse)) << type << ' ' << scattered.diffuse.x << ' ' << scene;
   ASSERT_TRUE(sound(scattered.glossy)) << type << ' ' << scattered.glossy.x << ' ' << scene;
-  ASSERT_LE(max_component(scattered.diffuse + scattered.glossy), T(1)) << type << ' ' << scene;
+  ASSERT_TRUE(sound(scattered.returned)) << type << ' ' << scattered.returned.x << ' ' << scene;
+  ASSERT_GE(scattered.exponent, T(1)) << type << ' ' << scene;
+  ASSERT_LE(scattered.exponent, T(kMostExponent)) << type << ' ' << scene;
+  ASSERT_GE(scattered.above, T(0.5)) << type << ' ' << scene;
+  ASSERT_LE(scattered.above, T(1)) << type << ' ' << scene;
+  ASSERT_LE(max_component(scattered.diffuse + scattered.glossy + scattered.returned), T(1))
+      << type << ' ' << scene;
   ASSERT_TRUE(scattered.alpha > 0 && scattered.alpha <= 1) << type << ' ' << scattered.alpha;
   ASSERT_TRUE(sound(shine)) << type << " highlight " << shine << ' ' << scene;
   ASSERT_TRUE(sound(lobe.weight)) << type << " lobe " << lobe.weight.x << ' ' << scene;

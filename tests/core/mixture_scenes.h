@@ -22,7 +22,7 @@ namespace core_tests {
 template <class T>
 Rgb<T> albedo_of(const Paint& paint, Rgb<double> substrate, double cos_view) {
   const Mixture<T> m = mixture(make_layer<T>(paint), Rgb<T>(substrate), static_cast<T>(cos_view));
-  return m.diffuse + m.glossy;
+  return m.diffuse + m.glossy + m.returned;
 }
 
 inline double surface_of(const Paint& paint, double cos_view) {

@@ -43,6 +43,7 @@ inline Triple operator/(Triple a, Triple b) {
   return each(a, b, [](float x, float y) { return x / y; });
 }
 inline Triple operator-(Triple a) { return Triple(0) - a; }
+inline int operator==(Triple a, Triple b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
 inline float sqrt(float x) { return std::sqrt(x); }
 inline float floor(float x) { return std::floor(x); }

@@ -297,18 +297,21 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   surface.bends = point.bends;
   surface.below = surface.view;
   if (surface.bends) {
+    surface.waves =
+        osl::waves_at(surface.own.position, static_cast<float>(paint.orange_peel_mm) * 0.001f);
     surface.wave =
-        osl::orange_peel(surface.n, surface.own.position, static_cast<float>(paint.orange_peel),
-                         static_cast<float>(paint.orange_peel_mm) * 0.001f);
+        osl::orange_peel(surface.n, surface.waves, static_cast<float>(paint.orange_peel));
     surface.below = osl::through_wave(surface.view, surface.n, surface.wave, layer.eta);
     same("wave", surface.wave, point.wave);
     ++visits.bent;
   }
   same("view under the wave", surface.below, view_below(point));
   const float cos_below = osl::seen_cosine(surface.n, surface.below);
-  const float cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
-  surface.slant = osl::slant_depth_of(shader_layer, shader_flakes, library, cos_in);
-  same("slant to the observer", surface.slant, slant_depth_of(layer, cos_in));
+  surface.cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
+  surface.areas = osl::projected_areas(shader_layer, shader_flakes, surface.cos_in);
+  surface.slant =
+      osl::slant_depth_of(shader_layer, shader_flakes, library, surface.areas, surface.cos_in);
+  same("slant to the observer", surface.slant, slant_depth_of(layer, surface.cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);
   std::array<osl::SeenLight, 8> seen;
@@ -443,12 +446,15 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
 
   const auto substrate = static_cast<Rgb<float>>(paint.substrate_color);
-  const auto shader_mixture = osl::mixture(shader_layer, shader_flakes, library, surface.slant,
-                                           to_osl(substrate), cos_below);
+  const auto shader_mixture = osl::mixture(shader_layer, shader_flakes, library, surface.areas,
+                                           surface.slant, to_osl(substrate), cos_below);
   const Mixture<float> core_mixture = mixture(layer, substrate, cos_below);
   same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
+  same("returned", shader_mixture.returned_albedo, core_mixture.returned);
   same("alpha of the glossy lobe", shader_mixture.alpha, core_mixture.alpha);
+  same("exponent of the returning lobe", shader_mixture.exponent, core_mixture.exponent);
+  same("share above of the returning lobe", shader_mixture.above, core_mixture.above);
 
   // The stack of all that.
   const Stack<float> stack = make_stack(paint, layer, point, point.normal);
@@ -463,7 +469,12 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
   same("stack's diffuse", shader_stack.diffuse, stack.diffuse);
   same("stack's glossy", shader_stack.glossy, stack.glossy);
+  same("stack's returned", shader_stack.returned, stack.returned);
   same("stack's alpha", shader_stack.alpha, stack.alpha);
+  same("stack's exponent", shader_stack.exponent, stack.exponent);
+  same("returned_scale", shader_stack.returned_scale, stack.returned_scale);
+  same("returning_normal", osl::returning_normal(surface.n, surface.view),
+       returning_normal(point.normal, point.view));
   same("texture", shader_stack.texture, stack.texture);
   std::array<osl::color, kRampColours> ramp;
   osl::make_ramp(shader_layer.eta, ramp);
@@ -472,8 +483,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const Vec3<float> n = point.normal, v = point.view;
   const auto slope = static_cast<float>(paint.orange_peel);
   const auto size = static_cast<float>(paint.orange_peel_mm);
-  const Vec3<float> bent = orange_peel(n, point.position, slope, size);
-  same("orange_peel", osl::orange_peel(to_osl(n), to_osl(point.position), slope, size), bent);
+  const Vec3<float> bent = orange_peel(n, waves_at(point.position, size), slope);
+  same("orange_peel",
+       osl::orange_peel(to_osl(n), osl::waves_at(to_osl(point.position), size), slope), bent);
   same("above_surface", osl::above_surface(to_osl(bent), to_osl(n), to_osl(v)),
        above_surface(bent, n, v));
   const float raster = point.position.x * 1e10f;

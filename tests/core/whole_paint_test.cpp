@@ -115,7 +115,12 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     const double lobe = facet_lobe(point.normal, point.view, direction, m.alpha) /
                         facet_lobe_albedo(std::min(dot(point.normal, point.view), 1.0), m.alpha);
     const double slanted = ramp_at(make_ramp(layer.eta), dot(point.normal, direction));
-    const double scattered = stack.diffuse.x * slanted / kPi + stack.glossy.x * lobe;
+    const double returned =
+        phong_lobe(returning_normal(point.normal, point.view), point.view, direction, m.exponent) /
+        m.above;
+    EXPECT_EQ(stack.returned.y, m.returned.y * grain);
+    const double scattered =
+        stack.diffuse.x * slanted / kPi + stack.glossy.x * lobe + stack.returned.x * returned;
     EXPECT_LE(relative_error(found.scattered.x, scattered), 1e-14);
     if (roughness == 0) {
       EXPECT_EQ(found.shine,
@@ -255,11 +260,11 @@ TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
   const int n = 20'000;
   for (int k = 0; k < n; ++k) {
     const Vec3<double> p{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-50, 50)};
-    const Vec3<double> bent = orange_peel(kUp, p, 0.01, 1.0);
+    const Vec3<double> bent = orange_peel(kUp, waves_at(p, 1.0), 0.01);
     EXPECT_NEAR(length(bent), 1, 1e-14);
     square += (bent.x * bent.x + bent.y * bent.y) / (bent.z * bent.z);
     const Vec3<double> view = spherical(random.uniform(0, 1.57), random.uniform(0, 6.28));
-    const Vec3<double> steep = orange_peel(kUp, p, 1.0, 1.0);
+    const Vec3<double> steep = orange_peel(kUp, waves_at(p, 1.0), 1.0);
     const Vec3<double> kept = above_surface(steep, kUp, view);
     const Vec3<double> mirrored = kept * (2 * dot(kept, view)) - view;
     // Raised, it is no longer a unit: up to half of kLeastHeight squared.

@@ -88,6 +88,13 @@ random walk's, for paints whose mixture is mostly this lobe; and the error of th
 
 {diffuse}
 
+## The returning lobe
+
+`tests/fits/returning_fit.cpp`: `returning` of `core/mixture.h` beside exp(c k) of
+`core/hot_spot.h`, for lights of the whole hemisphere.
+
+{returning}
+
 ## The flakes' lobe
 
 `tests/fits/lobe_spread.cpp`: `kWideShare` of `core/flake_lobe.h`.
@@ -102,8 +109,9 @@ discs with any number of mirrorings (`core/reference/disc_walk.h`). Coverages of
 L* of a white light. Single: the error of single flakes over the whole. Rest: that of all else, of
 the model and of the random walk. What is traced worse than 4 % (noise) is left out.
 
-On the light's side the substrate is seen through the holes that its light comes by, which neither
-model nor walk knows. Where light grazes, the walk is right and the diffuse lobe's shape errs.
+On the light's side the substrate is seen through the holes that its light comes by, which the walk
+does not know. Where light grazes, the walk is right and the diffuse lobe's shape errs: a ramp of
+eight colours in the cosine (core/diffuse_lobe.h).
 
 {finite}
 """
@@ -124,6 +132,7 @@ def build() -> None:
         "lobe_spread",
         "diffuse_lobe",
         "finite_flakes",
+        "returning_fit",
     ):
         tell(f"building {program}")
         run("cmake", "--build", BUILD, "--target", program)
@@ -170,6 +179,7 @@ def page(walks: Path) -> str:
         facets=run(PROGRAMS / "facet_fit"),
         hot_spot=run(PROGRAMS / "hot_spot_fit"),
         diffuse=run(PROGRAMS / "diffuse_lobe"),
+        returning=run(PROGRAMS / "returning_fit"),
         lobe=run(PROGRAMS / "lobe_spread"),
         finite=run(PROGRAMS / "finite_flakes"),
     )

@@ -201,6 +201,21 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   const bool silica = has_silica(seen.paint);
   errors.see(std::string("E as M estimates it, ") + (silica ? "with silica" : "without silica"),
              rates.single.independent * entered - single_scattering(seen.paint, seen.cos_view));
+  // Likewise of flakes that are 0.1 to 2 layers wide, of what both ways share besides.
+  Paint shared = seen.paint;
+  shared.depth_model = DepthModel::correlated;
+  shared.layer_thickness_um = shared.flake_diameter_um / random.log_uniform(0.1, 2);
+  const Layer<double> thin = make_layer<double>(shared);
+  FlakeRates<double> both;
+  for (int i = 0; i < thin.species; ++i) {
+    const Flakes<double>& some = thin.flakes[static_cast<std::size_t>(i)];
+    if (some.coverage > 0) {
+      add_flakes(both, thin, some, surface, cos_in, slant_depth_of(thin, cos_in));
+    }
+  }
+  errors.see(std::string("E as M estimates it, correlated, ") +
+                 (silica ? "with silica" : "without silica"),
+             both.single.correlated * entered - single_scattering(shared, seen.cos_view));
   // What that estimate takes too much from a dark albedo, where the result is clamped at 0.
   FlakeRates<double> none = rates;
   none.single = {};
@@ -210,8 +225,8 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
     const double absorption = std::max(layer.binder_depth.*channel - rayleigh, 0.0);
     const DiffuseShares<double> diffused =
         diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
-    const double albedo = mixture_channel(none, diffuse_light, diffused, channel, surface,
-                                          absorption, rayleigh, 0.0, cos_in, false)
+    const double albedo = mixture_channel(layer, none, diffuse_light, diffused, {}, channel,
+                                          surface, absorption, rayleigh, 0.0, cos_in)
                               .whole;
     excess = std::max(excess, rates.single.independent.*channel - albedo);
   }

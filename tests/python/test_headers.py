@@ -64,6 +64,7 @@ HEADERS_ONLY_CORE = {
     "noise.h": "OSL has noise",
     "light_slots.h": "the shader's main, which has its lights as inputs",
     "facet_lobe.h": "a closure of Cycles",
+    "phong_lobe.h": "a closure of Cycles",
     "flake_brdf.h": "the mean of flake_lobe.h, which a renderer draws",
 }
 

@@ -42,11 +42,15 @@ def test_it_is_what_the_random_walk_leaves_beside_single_flakes(paint: core.Pain
         assert (mixture["glossy"] > 0).all()
 
 
+SHAPES = {"diffuse": (2, 3, 3), "glossy": (2, 3, 3), "returned": (2, 3, 3), "alpha": (2, 3),
+          "exponent": (2, 3), "above": (2, 3)}  # fmt: skip
+
+
 def test_it_has_the_shape_of_the_cosines_with_a_colour_each() -> None:
     cosines = np.linspace(0.1, 1, 6).reshape(2, 3)
     many = core.mixture(core.Paint(), (0.5, 0.5, 0.5), cosines)
     one = core.mixture(core.Paint(), (0.5, 0.5, 0.5), cosines[1, 2])
-    for name, shape in {"diffuse": (2, 3, 3), "glossy": (2, 3, 3), "alpha": (2, 3)}.items():
+    for name, shape in SHAPES.items():
         assert many[name].shape == shape
         np.testing.assert_array_equal(many[name][1, 2], one[name])
 

@@ -76,7 +76,7 @@ class Layout:
         self, data: object, name: str, show_labels: bool, scale: float, scale_popup: float
     ) -> None:
         assert name in data.bl_rna.properties, name
-        assert show_labels
+        assert isinstance(show_labels, bool)
         assert min(scale, scale_popup) > 0
         self.icon_views.append(name)
 

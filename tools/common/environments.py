@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python environments under build/, which uv makes and keeps as requirements/ says.
 
-Run as a program, this prepares the Blender that every machine can have.
+Run as a program, this prepares the Blender that every machine can have, to take pictures: without
+the core, which takes a minute or two to compile.
 """
 
 from __future__ import annotations
@@ -19,7 +20,15 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from common.processes import BUILD, ROOT, StepFailedError, run_program, run_step, say
+from common.processes import (
+    BUILD,
+    ROOT,
+    StepFailedError,
+    run_program,
+    run_step,
+    say,
+    telling_time,
+)
 
 REQUIREMENTS = ROOT / "requirements"
 WHEEL_SOURCES = ("CMakeLists.txt", "VERSION", "pyproject.toml", "core", "bindings")
@@ -108,7 +117,7 @@ def prepare(blender: Blender, *, bindings: bool = True) -> None:
     if python is None:
         raise StepFailedError(f"Blender {blender.version} cannot be had: {lack_of(blender)}.")
     with alone():
-        _install(blender.environment, python, _build_requirements() if bindings else [])
+        _install(blender.environment, python, _build_requirements())
         if bindings:
             _install_bindings(blender.environment, blender.python_version)
 
@@ -200,18 +209,18 @@ def _install_bindings(environment: Environment, python_version: str) -> None:
     if is_built and _is_current(stamp, digest):
         return
     if not is_built:
-        say(f"Building the bindings for Python {python_version}…")
+        say(f"Compiling the core for Python {python_version} (a minute or two)…")
         shutil.rmtree(built, ignore_errors=True)
         # In the environment itself, so that CMake finds the same paths again.
         options = ["--no-build-isolation", "-C", "cmake.define.METALLIC_PAINT_WERROR=ON"]
         _uv(
-            "Building the bindings",
+            "Compiling the core",
             ["build", "--wheel", "--python", environment.python, *options, "-o", built, ROOT],
             f"wheel-{python_version}.log",
         )
         (built / ".sources").write_text(sources)
     _uv(
-        "Installing the bindings",
+        "Installing the core",
         ["pip", "install", "--python", environment.python, "--no-deps", "--reinstall",
          wheel_of(python_version)],
         f"bindings-{environment.name}.log",
@@ -220,7 +229,8 @@ def _install_bindings(environment: Environment, python_version: str) -> None:
 
 
 def _uv(what: str, arguments: Sequence[str | Path], log_name: str) -> None:
-    run_step(what, ["env", *_uv_settings(), OWN / "uv", *arguments], log_name)
+    with telling_time(what):
+        run_step(what, ["env", *_uv_settings(), OWN / "uv", *arguments], log_name)
 
 
 @cache
@@ -264,7 +274,7 @@ def _is_current(stamp: Path, digest: str) -> bool:
 
 
 def main() -> int:
-    prepare(FIRST_BLENDER)
+    prepare(FIRST_BLENDER, bindings=False)
     return 0
 
 

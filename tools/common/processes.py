@@ -7,7 +7,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Sequence
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, NoReturn
 
@@ -18,6 +21,7 @@ LOGS = BUILD / "logs"
 
 TIMED_OUT = 124
 GRACE_SECONDS = 5
+TELL_SECONDS = 10  # whoever waits longer without a word thinks that it hangs
 
 
 class StepFailedError(Exception):
@@ -91,6 +95,24 @@ def run_step(what: str, command: Sequence[str | Path], log_name: str) -> None:
         raise StepFailedError(
             f"{what} failed ({describe(code)}). The end of {log.relative_to(ROOT)}:\n{tail(log)}"
         )
+
+
+@contextmanager
+def telling_time(what: str) -> Iterator[None]:
+    """Says from time to time that the work goes on."""
+    start, done = time.monotonic(), threading.Event()
+
+    def tell() -> None:
+        while not done.wait(TELL_SECONDS):
+            say(f"  {what}: {time.monotonic() - start:.0f} s…")
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
 
 
 def run_measurement(

@@ -33,6 +33,7 @@ from common.processes import (
     run_step,
     say,
     tail,
+    telling_time,
 )
 
 ID = "metallic_paint"
@@ -117,7 +118,7 @@ def _render_library(blender: Blender) -> None:
     shutil.rmtree(RENDERED, ignore_errors=True)
     command = [blender.python, TOOLS, "extension.asset_library", "--out", RENDERED]
     names = sorted(file.stem for file in PRESETS.glob("*.json"))
-    with ThreadPoolExecutor(AT_ONCE) as pool:
+    with telling_time("Rendering the presets"), ThreadPoolExecutor(AT_ONCE) as pool:
         try:
             for part in [
                 pool.submit(

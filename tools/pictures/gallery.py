@@ -30,17 +30,17 @@ FILM = "turntable"
 CAPTIONS = {
     "swatches": "Paints under a sun and the light of a courtyard (one of the surroundings that "
     "come with Blender). The ball is 40 mm wide: what one sees at arm's length.",
-    "car-sun": "deep-blue under the sun and the dim light of an even sky: what does not mirror "
-    "the sun is dark. A pixel holds thousands of flakes and shows nearly their mean.",
-    "car-sky": "silver-coarse under sun and sky: the flop from the light shoulder to the dark "
-    "flank.",
+    "car-sun": "deep-blue on a sunny morning (in one of Blender's surroundings): sparkles crowd on "
+    "the nose, where the flakes mirror the sun, and thin out towards the dark flank.",
+    "car-sky": "silver-coarse under a low sun and the sky: the flop from the light flank to the "
+    "dark bonnet.",
     "car-surroundings": "green-purple in a wood (one of Blender's surroundings): green where one "
     "looks straight at it, blue and purple aslant.",
     "car-studio": "candy-red in the studio of `./paint demo`: softboxes, whose edges draw the "
     "body's lines, and a small lamp, about whose mirror image the sparkles crowd.",
-    "macro": "Near by, aslant through a lens wide open, under the sun: 12 mm of silver-coarse, "
-    "3 mm of green-purple, 12 mm of glass-flake-black, 20 mm of bass-boat. Flakes are seen as "
-    "such, and are discs of blur where they are out of focus.",
+    "macro": "Near by, aslant through a lens wide open, in a soft lamp's light: 2.5 mm of "
+    "silver-coarse, 1 mm of green-purple, 5 mm of glass-flake-black, 10 mm of bass-boat. Flakes "
+    "are seen as such, and are discs of blur where they are out of focus.",
     "distance": "silver-coarse through one lens from 1 m, 10 m and 100 m: sparkles, then a grain, "
     "then the flop alone. The last is enlarged 8 times.",
     FILM: "candy-red on a turntable that swings by five degrees: sparkles ride on the paint, and "

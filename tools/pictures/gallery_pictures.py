@@ -75,14 +75,11 @@ def swatches(photographer: Photographer) -> list[list[np.ndarray]]:
     return [shots[i : i + columns] for i in range(0, len(shots), columns)]
 
 
-TOWARDS_SUN = (0.62, -0.95, 1.1)
-
-
 def car(
     photographer: Photographer,
     preset: str,
     light: Callable[[bpy.types.Scene], None],
-    samples: int = 16,
+    samples: int = 24,
 ) -> list[list[np.ndarray]]:
     scene = photographer.scene(880, 495, samples)
     body = scenes.car(scene)
@@ -91,21 +88,30 @@ def car(
     return [[photographer.shoot(scene, preset)]]
 
 
+def direction(azimuth: float, elevation: float) -> tuple[float, float, float]:
+    """Towards that place of the sky; degrees, the azimuth from the car's nose to its left."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    return (math.cos(a) * math.cos(e), math.sin(a) * math.cos(e), math.sin(e))
+
+
 def sun(scene: bpy.types.Scene) -> None:
-    scenes.add_street(scene, 0.05)
-    scenes.add_sun(scene, TOWARDS_SUN, 5.5, (1, 0.95, 0.88))
-    scenes.set_world(scene, 0.25, (0.45, 0.65, 1))
+    turn = -21
+    scenes.add_street(scene, 0.09, (7, 25))
+    scenes.set_studio_light(scene, "sunrise", 1.4, turn)
+    # The picture's own sun, half under the horizon, stands at -36 degrees.
+    scenes.add_sun(scene, direction(-36 - turn, 25), 5, (1, 0.88, 0.7))
 
 
 def sky(scene: bpy.types.Scene) -> None:
-    scenes.add_street(scene, 0.10)
-    scenes.add_sun(scene, TOWARDS_SUN, 3.2, (1, 0.93, 0.84))
-    scenes.set_sky(scene, TOWARDS_SUN, 0.10)
+    towards_sun = direction(-95, 14)
+    scenes.add_street(scene, 0.12, (300, 3000))
+    scenes.add_sun(scene, towards_sun, 4, (1, 0.85, 0.66))
+    scenes.set_sky(scene, towards_sun, 0.18)
 
 
 def surroundings(scene: bpy.types.Scene) -> None:
-    scenes.add_street(scene, 0.10)
-    scenes.set_studio_light(scene, "forest", 0.85, 120)
+    scenes.add_street(scene, 0.06, (7, 25))
+    scenes.set_studio_light(scene, "forest", 0.85, 200)
 
 
 def softboxes(scene: bpy.types.Scene) -> None:
@@ -114,11 +120,11 @@ def softboxes(scene: bpy.types.Scene) -> None:
 
 def macro(photographer: Photographer) -> list[list[np.ndarray]]:
     shown = [
-        ("silver-coarse", 12), ("green-purple", 3), ("glass-flake-black", 12), ("bass-boat", 20)
+        ("silver-coarse", 2.5), ("green-purple", 1), ("glass-flake-black", 5), ("bass-boat", 10)
     ]  # fmt: skip
     shots = []
     for preset, mm in shown[:2] if photographer.quick else shown:
-        scene = photographer.scene(300, 300, 96, exposure=-0.5)  # flakes that mirror the sun
+        scene = photographer.scene(300, 300, 128, exposure=0.7)
         ball = scenes.macro(scene, mm * 1e-3)
         render_scene.paint_objects([ball], render_scene.load_paint(preset))
         shots.append(photographer.shoot(scene, preset))
@@ -132,7 +138,7 @@ def distance(photographer: Photographer) -> list[list[np.ndarray]]:
     render_scene.paint_objects([body], render_scene.load_paint(preset))
     sky(scene)
     scene.render.use_persistent_data = True  # the paint stays compiled
-    away = Vector((0.78, -0.95, 0.42)).normalized()
+    away = Vector((0.78, -0.95, 0.12)).normalized()
     target = scenes.seen_point(scene, Vector((0.5, -0.4, 0.7)), away)
     shots = []
     for metres in (1, 10, 100):
@@ -159,7 +165,7 @@ FRAMES = 16  # one way
 
 def turntable(photographer: Photographer) -> list[list[np.ndarray]]:
     """The front wing while the car turns to and fro: a row for each frame."""
-    scene = photographer.scene(416, 234, 12)
+    scene = photographer.scene(480, 270, 16)
     scene.render.use_persistent_data = True  # the paint stays compiled
     body = scenes.car(scene)
     render_scene.paint_objects([body], render_scene.load_paint("candy-red"))

@@ -131,6 +131,7 @@ def set_studio_light(
     picture = tree.nodes.new("ShaderNodeTexEnvironment")
     folder = bpy.utils.system_resource("DATAFILES", path="studiolights/world")
     picture.image = bpy.data.images.load(f"{folder}/{name}.exr")
+    picture.interpolation = "Cubic"  # a third of a degree wide, its pixels would show behind a car
     where, turned = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
     turned.inputs["Rotation"].default_value[2] = math.radians(turn)
     tree.links.new(where.outputs["Generated"], turned.inputs["Vector"])
@@ -172,8 +173,23 @@ def add_floor(scene: bpy.types.Scene, size: float, grey: float) -> None:
     _add_ground(scene, size, shapes.plain_material("Floor", (grey, grey, 1.03 * grey), 0.5))
 
 
-def add_street(scene: bpy.types.Scene, grey: float) -> None:
-    _add_ground(scene, 400, shapes.asphalt_material("Asphalt", grey))
+def add_street(scene: bpy.types.Scene, grey: float, fade: tuple[float, float]) -> None:
+    """Asphalt that gives way to the world's picture from one distance to the other (metres)."""
+    surface = shapes.asphalt_material("Asphalt", grey)
+    tree = surface.node_tree
+    place, away, share, clear, mix = (
+        tree.nodes.new(f"ShaderNode{kind}")
+        for kind in ("NewGeometry", "VectorMath", "MapRange", "BsdfTransparent", "MixShader")
+    )
+    away.operation, share.interpolation_type = "LENGTH", "SMOOTHSTEP"
+    share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = fade
+    tree.links.new(place.outputs["Position"], away.inputs[0])
+    tree.links.new(away.outputs["Value"], share.inputs["Value"])
+    tree.links.new(share.outputs["Result"], mix.inputs["Fac"])
+    tree.links.new(tree.nodes["Principled BSDF"].outputs[0], mix.inputs[1])
+    tree.links.new(clear.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    _add_ground(scene, 2 * fade[1], surface)
 
 
 def _add_ground(scene: bpy.types.Scene, size: float, surface: bpy.types.Material) -> None:
@@ -240,7 +256,7 @@ def close_up(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
 
 
 def macro(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
-    """The top of a ball, aslant, in a picture so many metres wide, lit nearly from the camera.
+    """The top of a ball, aslant, in a picture so many metres wide, in a courtyard and a soft lamp.
 
     The lens has a depth of field. A point that lies h nearer or farther than the middle, at the
     distance d, is a disc as wide as A h / d, with A the lens' aperture. At the picture's edges h is
@@ -253,15 +269,21 @@ def macro(scene: bpy.types.Scene, width: float) -> bpy.types.Object:
     aperture = 0.04 * 2 * distance / math.tan(slant)
     camera.dof.use_dof, camera.dof.focus_distance = True, distance
     camera.dof.aperture_fstop = camera.lens * 1e-3 / aperture
-    add_sun(scene, (0.2, 0.35, 0.9), 1.7)  # its image in the lacquer lies beside the picture
+    # Its image in the lacquer lies beside the picture. A flake that mirrors it is some ten times as
+    # bright as the sky, not ten thousand times as with a sun: so blurred flakes have soft edges.
+    lamp = add_sun(scene, (0.2, 0.35, 0.9), 0.08)
+    lamp.data.angle = math.radians(6)
     set_studio_light(scene, "courtyard", 0.6, 0, COURTYARD_BALANCE)
     return ball
 
 
-def car(scene: bpy.types.Scene) -> bpy.types.Object:
+LOW_VIEW = (*studio.VIEW[:2], 0.06)  # the lens as high as the headlamps: the horizon is seen
+
+
+def car(scene: bpy.types.Scene, view: Sequence[float] = LOW_VIEW) -> bpy.types.Object:
     body = demo_model.build_car(scene)
     bpy.context.view_layer.update()
-    studio.add_camera(scene, studio.world_box(body))
+    studio.add_camera(scene, studio.world_box(body), view)
     return body
 
 

@@ -29,7 +29,7 @@ from common import blender_env, files
 from common.processes import is_outermost
 from metallic_paint import denoise
 from metallic_paint.paint import Paint, material, presets
-from metallic_paint.scene import needs
+from metallic_paint.scene import needs, placed
 
 SUFFIXES = (".exr", ".png")
 PAINT_INDEX = 31417  # of our material in the index pass, which tells where the picture shows it
@@ -234,25 +234,16 @@ def paint_objects(things: Sequence[bpy.types.Object], paint: Paint) -> None:
     painted.pass_index = PAINT_INDEX
 
 
-def rendered(scene: bpy.types.Scene) -> Iterator[bpy.types.Object]:
-    """The objects that a render shows."""
-    seen = set()
-    collections = [layer.layer_collection for layer in scene.view_layers if layer.use]
-    while collections:
-        current = collections.pop()
-        if current.exclude or current.collection.hide_render:
-            continue
-        collections.extend(current.children)
-        for thing in current.collection.objects:
-            if not thing.hide_render and thing not in seen:
-                seen.add(thing)
-                yield thing
+def rendered(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The objects that a render shows, each once."""
+    layers = [layer for layer in scene.view_layers if layer.use]
+    return list(dict.fromkeys(thing for layer in layers for thing in placed.rendered(layer)))
 
 
 def render(scene: bpy.types.Scene, pictures: Sequence[Path], preset: str) -> None:
     """Renders into the files, and says what they show."""
     start = time.monotonic()
-    with _progress():
+    with _progress(", then denoising…" if scene.render.use_compositing else ""):
         report = take(scene)
     seconds = time.monotonic() - start
     _write(scene, pictures)
@@ -294,7 +285,7 @@ def _is_exr(file: Path) -> bool:
 
 
 @contextlib.contextmanager
-def _progress() -> Iterator[None]:
+def _progress(at_end: str) -> Iterator[None]:
     """Tells how far the render is: on a terminal in one line, else a line each tenth."""
     start = time.monotonic()
     live = _console.isatty()
@@ -311,6 +302,8 @@ def _progress() -> Iterator[None]:
         line = f"{percent:3} %, {elapsed:.0f} s"
         if 0 < done < 1:
             line += f", {elapsed / done - elapsed:.0f} s remain"
+        elif done == 1:
+            line += at_end
         _console.write(f"\r{line:<40}" if live else f"{line}\n")
         _console.flush()
 

@@ -59,7 +59,9 @@ def world_box(item: bpy.types.Object) -> Array:
     return np.array([item.matrix_world @ Vector(corner) for corner in item.bound_box])
 
 
-def add_camera(scene: bpy.types.Scene, corners: Array) -> bpy.types.Object:
+def add_camera(
+    scene: bpy.types.Scene, corners: Array, view: Sequence[float] = VIEW
+) -> bpy.types.Object:
     """A view from which the box of these corners fills the picture."""
     low, high = corners.min(0), corners.max(0)
     centre, radius = Vector((low + high) / 2), float(np.linalg.norm(high - low)) / 2
@@ -68,7 +70,7 @@ def add_camera(scene: bpy.types.Scene, corners: Array) -> bpy.types.Object:
     camera = bpy.data.objects.new("Camera", data)
     scene.collection.objects.link(camera)
     scene.camera = camera
-    towards = Vector(VIEW).normalized()
+    towards = Vector(view).normalized()
     camera.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
     axes = np.array(camera.rotation_euler.to_matrix()).T
     aspect = scene.render.resolution_y / scene.render.resolution_x

@@ -310,8 +310,9 @@ def check_mixture(
     cosine = (geometry.normal[hit] * geometry.view[hit]).sum(axis=-1)
     wanted = core.mixture(core_paint(paint), paint.substrate_color, np.clip(cosine, 1e-4, 1))
     if paint.composition == "published":
-        wanted["diffuse"] += wanted["glossy"]
-        wanted["glossy"][...] = 0
+        for lobe in ("glossy", "returned"):
+            wanted["diffuse"] += wanted[lobe]  # type: ignore[literal-required]
+            wanted[lobe][...] = 0  # type: ignore[literal-required]
     factor = 1.0
     report = []
     if paint.texture_contrast > 0:
@@ -319,7 +320,9 @@ def check_mixture(
         report.append(check_texture(label, core_paint(paint), geometry, found))
         factor = found[:, np.newaxis]
     # 1e-4 of white: float against double, and the cosine by another sum.
-    for lobe, shown in (("diffuse", verify.DIFFUSE), ("glossy", verify.GLOSSY)):
+    for lobe, shown in (
+        ("diffuse", verify.DIFFUSE), ("glossy", verify.GLOSSY), ("returned", verify.RETURNED)
+    ):  # fmt: skip
         found = probe.image(shown)[hit] / factor
         report.append(
             bars.at_most(f"{label}: error of the {lobe} albedo",

@@ -32,6 +32,10 @@ _MOST_LETTERS = 48  # of four bytes at most, so that a file may have the name
 
 CHOSEN = "metallic_paint_preset"  # the property of group nodes that the grid of swatches sets
 
+# Of the grid, as Blender draws it: swatches in a row, pixels of one at the scale 1, and around all.
+_IN_A_ROW, _POPUP_UNIT, _POPUP_MARGIN = 8, 21, 40
+_LARGEST, _LABELLED = 6.0, 5.3  # scales; from the second on the longest name is not cut
+
 _previews: list[bpy.utils.previews.ImagePreviewCollection] = []  # one while registered
 
 
@@ -106,9 +110,22 @@ def draw_swatches(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -
     """The swatch of the paint's preset; a click on it opens the grid of all."""
     if not SWATCHES.is_dir():
         return
-    row = layout.row()
-    row.enabled = node.id_data.is_editable
-    row.template_icon_view(node, CHOSEN, show_labels=True, scale=5, scale_popup=6)
+    column = layout.column()
+    column.enabled = node.id_data.is_editable
+    if _chosen(node) == 0:
+        column.label(text="Click to choose a paint:")  # there is no picture of it
+    popup = _popup_scale()
+    has_room = popup >= _LABELLED
+    column.template_icon_view(node, CHOSEN, show_labels=has_room, scale=5, scale_popup=popup)
+
+
+def _popup_scale() -> float:
+    """As large as the window is wide enough for."""
+    window = bpy.context.window
+    if window is None or bpy.app.background:
+        return _LARGEST
+    width = window.width / bpy.context.preferences.system.ui_scale
+    return min(max((width - _POPUP_MARGIN) / (_IN_A_ROW * _POPUP_UNIT), 1), _LARGEST)
 
 
 def _on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:

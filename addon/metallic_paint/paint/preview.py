@@ -12,8 +12,10 @@ Where the shader runs, OSL knows Rendered for 1 and drops the preview.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
@@ -36,6 +38,7 @@ _OUTWARDS, _FLANK, _APART, _GGX_TAIL = 0.9, 1.3, 1.5, 2.0
 _PIXEL = 36 / 50 / 1920
 _LAMP = 1e-5  # square of half the angle, within the binder, at which a usual lamp is seen
 _MOST_VARIANCE = 0.7  # of a cell's brightness, whose mean is 1: more looks like noise
+_PEAKED = 8.0  # k, of how few cells are bright: one in nine
 _TURNS = 20.0  # a cell flashes anew when the view turns by so many parts of a radian
 
 
@@ -43,7 +46,8 @@ class Value:
     """A number or a vector within a node tree; arithmetic with it makes nodes.
 
     Vectors are colours, directions, or one number for each of the three species. A number beside a
-    vector counts for each of its parts. What is divided by 0 is 0.
+    vector counts for each of its parts. What is divided by 0 is 0. What was asked for before has
+    its node already: Blender looks through all of a tree for each new one.
     """
 
     def __init__(self, socket: bpy.types.NodeSocket) -> None:
@@ -85,7 +89,9 @@ class Value:
 
     def cut(self) -> Value:
         """Within 0 and 1."""
-        return self.most(0.0).least(1.0)
+        if self.is_vector:
+            return self.most(0.0).least(1.0)
+        return _made(self.socket.id_data, "ShaderNodeClamp", "", (self,))
 
     def power(self, exponent: float) -> Value:
         """Of no negative number."""
@@ -93,7 +99,7 @@ class Value:
 
     def root(self) -> Value:
         """0 of a negative number."""
-        return self.most(0.0).power(0.5)
+        return self.most(0.0).power(0.5) if self.is_vector else self.function("SQRT")
 
     def decay(self) -> Value:
         """exp(-x)."""
@@ -109,7 +115,9 @@ class Value:
 
     def equal(self, number: int) -> Value:
         """Of whole numbers likewise."""
-        return (1.0 - abs(self - float(number))).most(0.0)
+        if self.is_vector:
+            return (1.0 - abs(self - float(number))).most(0.0)
+        return _arithmetic("COMPARE", self, float(number), 0.5)
 
     def dot(self, other: Value | float) -> Value:
         return _arithmetic("DOT_PRODUCT", self, other)
@@ -118,31 +126,46 @@ class Value:
         return _arithmetic("NORMALIZE", self)
 
     def parts(self) -> list[Value]:
-        node = self.socket.id_data.nodes.new("ShaderNodeSeparateXYZ")
-        _fill(node.inputs[0], self)
-        return [Value(each) for each in node.outputs]
+        first = _made(self.socket.id_data, "ShaderNodeSeparateXYZ", "", (self,))
+        return [Value(each) for each in first.socket.node.outputs]
 
 
 def vector(*parts: Value | float) -> Value:
     [tree, *_] = (each.socket.id_data for each in parts if isinstance(each, Value))
-    node = tree.nodes.new("ShaderNodeCombineXYZ")
-    for socket, part in zip(node.inputs, parts, strict=True):
-        _fill(socket, part)
-    return Value(node.outputs[0])
+    return _made(tree, "ShaderNodeCombineXYZ", "", parts)
 
 
 def _arithmetic(operation: str, *operands: Value | float) -> Value:
     [tree, *_] = (each.socket.id_data for each in operands if isinstance(each, Value))
     vectors = [each for each in operands if isinstance(each, Value) and each.is_vector]
-    node = tree.nodes.new("ShaderNodeVectorMath" if vectors else "ShaderNodeMath")
+    kind = "ShaderNodeVectorMath" if vectors else "ShaderNodeMath"
     if operation == "MULTIPLY" and len(vectors) == 1:
         [number] = (each for each in operands if each is not vectors[0])
         operation, operands = "SCALE", (vectors[0], number)
-    node.operation, node.hide = operation, True
-    inputs = (each for each in node.inputs if each.enabled)
-    for socket, operand in zip(inputs, operands, strict=False):
-        _fill(socket, operand)
-    return Value(next(each for each in node.outputs if each.enabled))
+    return _made(tree, kind, operation, operands)
+
+
+_known: dict[tuple[object, ...], Value] = {}  # of the tree that is being made
+
+
+def _made(
+    tree: bpy.types.NodeTree, kind: str, operation: str, operands: tuple[Value | float, ...]
+) -> Value:
+    """The first output of a node of that kind, new or made before for the same operands."""
+    asked = tuple(
+        each.socket.as_pointer() if isinstance(each, Value) else float(each) for each in operands
+    )
+    key = (kind, operation, *asked)
+    if key not in _known:
+        node: Any = tree.nodes.new(kind)  # of a kind that no type knows before
+        node.hide = True
+        if operation and node.operation != operation:
+            node.operation = operation
+        inputs = (each for each in node.inputs if each.enabled)
+        for socket, operand in zip(inputs, operands, strict=False):
+            _fill(socket, operand)
+        _known[key] = Value(next(each for each in node.outputs if each.enabled))
+    return _known[key]
 
 
 def _fill(socket: bpy.types.NodeSocket, operand: Value | float) -> None:
@@ -159,15 +182,21 @@ def mix_with(
     output: str,
 ) -> bpy.types.NodeSocket:
     """The shader where it runs, elsewhere the preview, whose nodes this adds to the group."""
+    _known.clear()
     there = list(group.nodes)
     [scale] = script.inputs[lights.METERS_PER_UNIT].links
     previewed = _preview(_Sockets(inside), Value(scale.from_socket))
     frame = group.nodes.new("NodeFrame")
     frame.label = LABEL
-    for number, node in enumerate([each for each in group.nodes if each not in there]):
-        if node != frame:
-            node.parent = frame
-            node.location = number // 30 * 180, -1200 - number % 30 * 45
+    places: list[float] = []  # all at once: Blender looks through the tree for each
+    for number, node in enumerate(group.nodes):
+        if node in there or node == frame:
+            places.extend(node.location)
+            continue
+        node.parent = frame
+        places.extend((number // 30 * 180, -1200 - number % 30 * 45))
+    group.nodes.foreach_set("location", places)
+    _known.clear()
     mix = group.nodes.new("ShaderNodeMixShader")
     mix.location = 200, 0
     mix.inputs[0].default_value = 0  # Cycles without OSL leaves the shader out, with its link
@@ -333,12 +362,13 @@ def _glitter(sockets: _Sockets, flakes: _Flakes, incoming: Value, meters_per_uni
     _fill(noise.inputs["Vector"], cell + _arithmetic("FLOOR", cell + _TURNS * incoming))
     u = Value(noise.outputs["Value"])
 
-    # (1 + k) u^k has the mean 1 and the variance k^2/(1 + 2 k).
+    # (1 + k) u^k has the mean 1 and the variance k^2/(1 + 2 k): few bright cells in a dark ground.
+    # A share of it on an even one has the share's square of that variance, and no dark specks.
     mirrored = wide * wide * (flakes.blur2 + _LAMP) / flakes.slope2.most(1e-9)
     contrast = sockets["sparkle_contrast"].cut()
     variance = contrast * contrast * (1.0 / mirrored).least(_MOST_VARIANCE)
-    k = variance + (variance * variance + variance).root()
-    return (1.0 + k) * _arithmetic("POWER", u, k)
+    share = variance.root() * (math.sqrt(1 + 2 * _PEAKED) / _PEAKED)
+    return 1.0 - share + share * ((1 + _PEAKED) * u.power(_PEAKED))
 
 
 def _coatings(sockets: _Sockets, cos_alpha: Value) -> Iterator[tuple[Value, Value]]:

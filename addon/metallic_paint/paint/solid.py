@@ -10,6 +10,9 @@ import numpy as np
 from . import coatings
 from .parameters import Paint
 
+# The Solid view has nothing that metal could mirror but a few lamps: flat sides would be black.
+_MOST_METALLIC = 0.4
+
 
 @dataclass(frozen=True)
 class Look:
@@ -36,7 +39,7 @@ def look(paint: Paint) -> Look:
     color = np.minimum(flakes + ground, 1)
     return Look(
         color=tuple(color.tolist()),
-        metallic=float(flakes.sum() / max((flakes + ground).sum(), 1e-30)),
+        metallic=float(_MOST_METALLIC * flakes.sum() / max((flakes + ground).sum(), 1e-30)),
         roughness=_roughness(paint, covered),
     )
 

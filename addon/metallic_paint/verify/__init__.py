@@ -11,6 +11,7 @@ from .diagnostics import (
     CONE,
     COUNT,
     DIFFUSE,
+    EXPONENT,
     GLOSSY,
     IRRADIANCE,
     LOBE,
@@ -21,6 +22,7 @@ from .diagnostics import (
     POSITION,
     RADIANCE,
     RASTER,
+    RETURNED,
     ROUGHNESS,
     SOUND,
     SPARKLES,
@@ -37,9 +39,8 @@ from .probe import (
 )
 
 __all__ = [
-    "CONE", "COUNT", "DIFFUSE", "GLOSSY", "IRRADIANCE", "LOBE", "MEAN_COUNT", "MEAN_RADIANCE",
-    "MOST_RADIANCE_ERROR", "NORMAL", "PIXEL", "POSITION", "RADIANCE", "RASTER", "ROUGHNESS",
-    "SOUND", "SPARKLES", "TEXTURE", "VIEW", "Comparison", "Geometry", "Probe", "compare",
-    "make_noiseless", "predict", "render", "render_channels",
-    "write_floats",
+    "CONE", "COUNT", "DIFFUSE", "EXPONENT", "GLOSSY", "IRRADIANCE", "LOBE", "MEAN_COUNT",
+    "MEAN_RADIANCE", "MOST_RADIANCE_ERROR", "NORMAL", "PIXEL", "POSITION", "RADIANCE", "RASTER",
+    "RETURNED", "ROUGHNESS", "SOUND", "SPARKLES", "TEXTURE", "VIEW", "Comparison", "Geometry",
+    "Probe", "compare", "make_noiseless", "predict", "render", "render_channels", "write_floats",
 ]  # fmt: skip

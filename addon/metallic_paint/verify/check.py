@@ -20,7 +20,17 @@ from ..native import core_lights
 from ..paint import core_paint, material
 from ..scene import lights, placed, sight
 from .comparison import MOST_RADIANCE_ERROR, MOST_STACK_ERROR, compare, predict, stack_error
-from .diagnostics import CONE, COUNT, DIFFUSE, GLOSSY, IRRADIANCE, ROUGHNESS, SPARKLES, TEXTURE
+from .diagnostics import (
+    CONE,
+    COUNT,
+    DIFFUSE,
+    GLOSSY,
+    IRRADIANCE,
+    RETURNED,
+    ROUGHNESS,
+    SPARKLES,
+    TEXTURE,
+)
 from .probe import Probe
 
 if TYPE_CHECKING:
@@ -116,12 +126,15 @@ def check(
     _hold_out(scene, layer, painted, region)
 
     in_use = [i for i, each in enumerate(settings.species) if each.flakes_per_mm2 > 0]
-    probe = _Probe(scene, painted, progress, steps=14 + len(lamps) * (len(in_use) + 3))
+    probe = _Probe(scene, painted, progress, steps=15 + len(lamps) * (len(in_use) + 3))
     geometry = dataclasses.replace(probe.geometry(), origin=region[:2])
     if not geometry.hit.any():
         raise VerifyError(f"The camera sees no paint of {thing.name} in the region.")
     predicted = [predict(paint, slots, geometry, "float", i) for i in in_use]
-    under = {"diffuse": DIFFUSE, "glossy": GLOSSY, "alpha": ROUGHNESS, "texture": TEXTURE}
+    under = {
+        "diffuse": DIFFUSE, "glossy": GLOSSY, "returned": RETURNED, "alpha": ROUGHNESS,
+        "texture": TEXTURE,
+    }  # fmt: skip
     shown_under = {name: probe.image(diagnostic) for name, diagnostic in under.items()}
     worst_under = float(stack_error(paint, geometry, shown_under).max())
     totals = dict.fromkeys(

@@ -122,8 +122,8 @@ def compare(
 def stack_error(paint: Paint, geometry: Geometry, shown: dict[str, np.ndarray]) -> np.ndarray:
     """How far what lies under the sparkles is from the core's, (h, w), 0 where no paint is.
 
-    shown: pictures (h, w, 3) of the lobes' albedos "diffuse" and "glossy", of the glossy one's
-    roughness "alpha" and of the "texture" that is in both albedos.
+    shown: pictures (h, w, 3) of the lobes' albedos "diffuse", "glossy" and "returned", of the
+    glossy one's roughness "alpha" and of the "texture" that is in the albedos.
     """
     import metallic_paint_core as core
 

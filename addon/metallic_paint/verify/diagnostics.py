@@ -19,7 +19,7 @@ from ..paint import material, shader
 # As osl/metallic_paint.osl numbers them.
 COUNT, MEAN_COUNT, RADIANCE, MEAN_RADIANCE, PIXEL, POSITION, NORMAL, VIEW, RASTER = range(1, 10)
 IRRADIANCE, SPARKLES, CONE, SOUND, LOBE, DIFFUSE, TEXTURE, GLOSSY, ROUGHNESS = range(10, 19)
-OWN_POSITION, OWN_X, OWN_Y, OWN_Z, INSTANCE = range(19, 24)
+OWN_POSITION, OWN_X, OWN_Y, OWN_Z, INSTANCE, RETURNED, EXPONENT = range(19, 26)
 LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
 
 _SHOWN = "Shown"  # the output
