@@ -6,8 +6,8 @@
 // holds. A lobe g of microfacets it samples evenly and by its lamps. So
 //   f cos(theta') = g + (f cos(theta') - g):
 // microfacets show g, and what a random flake shows is less by g over the density that drew it.
-// Where that is less than nothing, g itself is less by as much: so all light together stays
-// what it was, whatever g is, and only where g passes f some of it comes from a direction too near.
+// Where that is less than nothing, g itself is less by as much, so all light together stays what it
+// was; but for what g shows where hardly any flake is drawn (0.6 % of the paint at tilts above 0.3).
 //
 // Of the half vector h of view and light the slope to the surface is (v + l)_t/(cos + cos'), and
 // that of the flake which mirrors them (v + l)_t/(g + g'), g = eta cos(theta_p). Near the mirror
@@ -102,8 +102,9 @@ SmoothPart<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
 // on the sides; and what more of y^2 is right for GGX, whose long tail the core's variance leaves
 // out.
 inline constexpr double kHeight = 0.98, kHeightAside = 1.078;
-// Nearer to the horizon f has no lobe that facets resemble.
-inline constexpr double kLeastSmooth = 0.2;
+// Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of the
+// mirrored light an alpha aside.
+inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.3;
 
 template <class T>
 SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
@@ -137,9 +138,9 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     if (i == 2) half = half - part.along * part.alpha_x;
     if (i == 3) half = half + across;
     light[i] = half * (2 * dot(half, view) / dot(half, half)) - view;
+    const T cos_light = min(dot(normal, light[i]), T(1));
+    if (!(cos_light > T(kLeastRise))) return {};
     if (i == 0) {
-      const T cos_light = min(dot(normal, light[0]), T(1));
-      if (!(cos_light > T(1e-3))) return {};
       const T cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, T(1));
       depth = slant_depth_of(layer, cos_light_in) * cos_light_in;
     }

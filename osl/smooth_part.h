@@ -12,6 +12,7 @@
 #define HEIGHT 0.98
 #define HEIGHT_ASIDE 1.078
 #define LEAST_SMOOTH 0.2
+#define LEAST_RISE 0.3
 #define SHOWN_TWICE 2e-3
 
 struct SmoothPart {
@@ -125,10 +126,10 @@ SmoothPart smooth_part(Layer layer, Flakes some, Flakes flakes[SPECIES], float l
     if (i == 3)
       half = half + across;
     light[i] = half * (2.0 * inner_product(half, view) / inner_product(half, half)) - view;
+    float cos_light = min(inner_product(n, light[i]), 1.0);
+    if (!(cos_light > LEAST_RISE))
+      return none;
     if (i == 0) {
-      float cos_light = min(inner_product(n, light[0]), 1.0);
-      if (!(cos_light > 1e-3))
-        return part;
       float cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, 1.0);
       depth = slant_depth_of(layer, flakes, library, cos_light_in) * cos_light_in;
     }

@@ -93,7 +93,9 @@ def fit(scene: bpy.types.Scene) -> Needs:
         report = lights.fill(scene)
         other_light = tuple(_other_light(scene, report))
         needs = Needs(report, other_light, library=lights.why_library())
-        lights.show_other_light(bool(needs.other_light), of_lamps=not _LAMPS.isdisjoint(other_light))
+        lights.show_other_light(
+            bool(needs.other_light), of_lamps=not _LAMPS.isdisjoint(other_light)
+        )
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
