@@ -7,7 +7,8 @@
 //   f cos(theta') = g + (f cos(theta') - g):
 // microfacets show g, and what a random flake shows is less by g over the density that drew it.
 // Where that is less than nothing, g itself is less by as much, so all light together stays what it
-// was; but for what g shows where hardly any flake is drawn (0.6 % of the paint at tilts above 0.3).
+// was; but for what g shows where hardly any flake is drawn (0.6 % of the paint at tilts above 0.3
+// at most).
 //
 // Of the half vector h of view and light the slope to the surface is (v + l)_t/(cos + cos'), and
 // that of the flake which mirrors them (v + l)_t/(g + g'), g = eta cos(theta_p). Near the mirror
@@ -97,13 +98,12 @@ SmoothPart<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
           clamp(sqrt(x2), T(1e-3), T(1)), clamp(sqrt(y2), T(1e-3), T(1))};
 }
 
-// Chosen over random paints, for the largest lobe that passes f by 1 % of its light in the median
-// (worst colour; tests/core/smooth_part_test.cpp): how far g may reach up to f in the middle, and
-// on the sides; and what more of y^2 is right for GGX, whose long tail the core's variance leaves
-// out.
+// How far g may reach up to f in the middle, and on the sides. Chosen over random paints for the
+// largest lobe that passes f by less than 1 % of its light in the median
+// (tests/core/smooth_part_test.cpp).
 inline constexpr double kHeight = 0.98, kHeightAside = 1.078;
-// Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of the
-// mirrored light an alpha aside.
+// Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of
+// the mirrored light an alpha aside.
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.3;
 
 template <class T>
