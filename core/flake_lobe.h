@@ -45,17 +45,6 @@ inline constexpr double kToHorizon = 0.1;
 inline constexpr double kLobeSpread = 0.33;
 inline constexpr double kWidestLobe = 0.1;
 
-// As `sample_tilt`, but the share of flakes that is tilted more is u^2 in place of u: hence a
-// weight of 2 u.
-template <class T>
-SampledTilt<T> sample_steep_tilt(const OrientationDensity<T>& density, T u) {
-  const T steeper = u * u;
-  SampledTilt<T> tilt = sample_tilt(
-      density, inside_unit(density.kind == Orientation::beckmann ? steeper : 1 - steeper));
-  tilt.weight = tilt.weight * (2 * u);
-  return tilt;
-}
-
 template <class T>
 struct MirroredSample {
   Vec3<T> direction;        // outside, unit, away from the surface
@@ -67,6 +56,14 @@ struct MirroredSample {
   T density{};              // that drew it, 1/sr; 0 of a flake that is seen close up
   int species{};
 };
+
+// The deviate of `sample_tilt` by which the share of flakes that is tilted more is u^2 in place of
+// u: hence a weight of 2 u.
+template <class T>
+T steeper(const OrientationDensity<T>& density, T u) {
+  const T more = u * u;
+  return inside_unit(density.kind == Orientation::beckmann ? more : 1 - more);
+}
 
 // A flake's species is drawn by covered area, its normal m from p. The mirror law takes m to the
 // light's direction in the binder, dw_m = dw/(4 |v . m|), and refraction takes that outside. So the
@@ -115,8 +112,8 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.spread = min(eta * sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
   } else {
     const T rest = layer.species > 1 ? inside_unit(at / max(flakes.coverage, T(1e-30))) : u;
-    tilt =
-        steep ? sample_steep_tilt(flakes.orientation, rest) : sample_tilt(flakes.orientation, rest);
+    tilt = sample_tilt(flakes.orientation, steep ? steeper(flakes.orientation, rest) : rest);
+    if (steep) tilt.weight = tilt.weight * (2 * rest);
     sample.spread = min(T(kLobeSpread) * (eta * flakes.orientation.tilt), T(kWidestLobe));
     const T h = tilt.sin2_half_beta;
     const T sin_beta = 2 * sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;

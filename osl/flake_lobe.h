@@ -33,6 +33,14 @@ float inside_unit(float x)
   return clamp(x, 1e-7, 1.0 - 1e-7);
 }
 
+float steeper(OrientationDensity density, float u)
+{
+  float more = u * u;
+  if (density.kind != ORIENTATION_BECKMANN)
+    more = 1.0 - more;
+  return inside_unit(more);
+}
+
 MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
                             FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth, int steep)
 {
@@ -83,16 +91,8 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
     mirrored.spread = min(eta * sqrt(some.solid_angle / M_PI), WIDEST_LOBE);
   }
   else {
-    float drawn = rest;
-    if (steep) {
-      drawn = rest * rest;
-      tilt_weight = 2.0 * rest;
-      if (some.orientation.kind != ORIENTATION_BECKMANN)
-        drawn = 1.0 - drawn;
-      drawn = inside_unit(drawn);
-    }
-    SampledTilt tilt = sample_tilt(some.orientation, drawn);
-    tilt_weight = tilt.weight * tilt_weight;
+    SampledTilt tilt = sample_tilt(some.orientation, steep ? steeper(some.orientation, rest) : rest);
+    tilt_weight = steep ? tilt.weight * (2.0 * rest) : tilt.weight;
     mirrored.spread = min(LOBE_SPREAD * (eta * some.orientation.tilt), WIDEST_LOBE);
     h = tilt.sin2_half_beta;
     float sin_beta = 2.0 * sqrt(h * (1.0 - h));

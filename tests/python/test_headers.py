@@ -23,10 +23,13 @@ ONLY_SHADER = {
     "no_flakes": "C++ has default values",
     "no_diffuse_light": "C++ has default values",
     "no_mixture": "C++ has default values",
+    "no_part": "C++ has default values",
     "mixture_rule": "C++ has constant arrays",
     "channels_of": "C++ copies no loop",
     "flakes_of": "C++ folds elements of arrays",
-    **dict.fromkeys(("angles_between", "find_cells"), "C++ finds them where it asks for them"),
+    **dict.fromkeys(
+        ("angles_between", "find_cells", "projected_areas"), "C++ finds them where it asks for them"
+    ),
     "inner_product": "dot() of core/vector.h",
     "luminance_of": "luminance(), a name that OSL's own library has taken",
     "is_sound": "a diagnostic",
