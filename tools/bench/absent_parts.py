@@ -66,7 +66,7 @@ def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
     text = cut(
         "  if (several && lights > 1) {\n    if (angles_between(seen",
-        "\n  // The flakes under the listed",
+        "\n  // The flakes under all other",
     )(text)
     text = cut("      if (several) {", "      float rho")(text)
     text = cut("  float reach = seen[group].reach;\n  for", "  return reach",
@@ -83,8 +83,8 @@ def no_library(text: str) -> str:
 
 
 def no_sparkles(text: str) -> str:
-    text = cut("  ADD_SLOT(0,", "  // The flakes under the listed")(text)
-    return cut("  if (lights > 0) {", "  // The flakes under all other")(text)
+    text = cut("  ADD_SLOT(0,", "  // The flakes under all other")(text)
+    return cut("  if (lights > 0) {", "  // The random flake")(text)
 
 
 def full_contrast(text: str) -> str:
@@ -101,7 +101,7 @@ PARTS: dict[str, Text] = {
         "  if (given.texture_contrast > 0.0)", "  stack.diffuse = stack.diffuse * stack"
     ),
     "orange peel": cut("  if (given.orange_peel > 0.0)\n    coat_n", "  if (inner_product(coat_n"),
-    "published composition": cut("      if (paint.composition ==", "      // Their cone holds"),
+    "published composition": cut("      if (paint.composition ==", "      if (smooth)"),
     "sparkle contrast": full_contrast,
     "coating library": no_library,
 }
