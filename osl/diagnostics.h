@@ -48,6 +48,7 @@ int is_sound(color x)
 #define ASKED_MEAN 1
 #define ASKED_OWN_SPACE 1
 #define ASKED_SPECIES (DiagnosticSpecies - 1)
+#define ASKED_SMOOTH (Diagnostic == SHOW_PAINT || Diagnostic == SHOW_LOBE)  // else the sparkles are whole
 
 #define DIAGNOSE_SURFACE \
   int all_sound = is_sound(surface.footprint); \
@@ -123,6 +124,7 @@ int is_sound(color x)
 #define ASKED_MEAN 0
 #define ASKED_OWN_SPACE 0
 #define ASKED_SPECIES 0
+#define ASKED_SMOOTH 1
 #define DIAGNOSE_SURFACE
 #define DIAGNOSE_LIGHT
 #define DIAGNOSE_FLAKE

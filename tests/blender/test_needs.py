@@ -105,7 +105,7 @@ def test_filling_the_lights_alone_leaves_other_light_as_it_is(ball: bpy.types.Ob
 def test_it_is_right_again_after_lights_come_and_go(ball: bpy.types.Object) -> None:
     lamp = add_lamp("AREA", "Softbox", location=(0, 0, 5), spread=1)
     assert other() == ("lights without a slot",)
-    assert socket() == 1
+    assert socket() == 2
     bpy.data.objects.remove(lamp)
     assert other() == ()
     assert socket() == 0

@@ -31,10 +31,7 @@ _DARK_NODES = {
 _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 _SCENE = "metallic_paint_scene"
 
-_WITHOUT_SLOT = "lights without a slot"
 _WIDE = "area lights where they look wide"
-_EMITTERS = "objects that may emit"
-_LAMPS = {_WITHOUT_SLOT, _WIDE, _EMITTERS}
 
 _state = {"fitting": False}
 
@@ -93,9 +90,8 @@ def fit(scene: bpy.types.Scene) -> Needs:
         report = lights.fill(scene)
         other_light = tuple(_other_light(scene, report))
         needs = Needs(report, other_light, library=lights.why_library())
-        lights.show_other_light(
-            bool(needs.other_light), of_lamps=not _LAMPS.isdisjoint(other_light)
-        )
+        of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(scene)
+        lights.show_other_light(bool(needs.other_light), of_lamps)
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -232,15 +228,21 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
         yield "the world"
     lamps = _lamps(things)
     if report.without or any(lamp not in report.slots for lamp in lamps):
-        yield _WITHOUT_SLOT
+        yield "lights without a slot"
     if any(lamp.data.type == "AREA" for lamp in report.slots):
         yield _WIDE
     if any(map(_may_emit, shapes)):
-        yield _EMITTERS
+        yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):
         yield "volumes"
     if _bounces(scene) > 0 and shapes:
         yield "the paint itself" if len(shapes) == 1 else "their neighbours"
+
+
+def _any_emits(scene: bpy.types.Scene) -> bool:
+    """Objects of their own; what instancers show is not known."""
+    shapes = _shapes(_things(lights.used_layers(scene)))
+    return any(_may_emit(each) for each in shapes if not _makes_more(each))
 
 
 def _draws_every_frame() -> bool:
