@@ -28,9 +28,15 @@ struct Outline {
 };
 
 // A disc's mean square off its middle is a quarter of the radius squared along each axis: that of
-// four places at radius/sqrt(2).
+// four places at radius/sqrt(2). Seen from a distance of 1 a place at q shows cos/q^3 of its area.
 template <class T>
-std::array<Vec3<Wide<T>>, 4> points_within(const SeenLight<T>& light) {
+struct PointsWithin {
+  std::array<Vec3<Wide<T>>, 4> towards;  // unit
+  std::array<Wide<T>, 4> part;           // 1/q^3
+};
+
+template <class T>
+PointsWithin<T> points_within(const SeenLight<T>& light) {
   using W = Wide<T>;
   // Two axes across its normal (Duff et al. 2017).
   const Vec3<W> m = light.facing;
@@ -41,10 +47,17 @@ std::array<Vec3<Wide<T>>, 4> points_within(const SeenLight<T>& light) {
   const Vec3<W> u = Vec3<W>{1 + sign * m.x * m.x * a, sign * b, -(sign * m.x)} * off;
   const Vec3<W> v = Vec3<W>{b, sign + m.y * m.y * a, -m.y} * off;
   const Vec3<W> middle = light.direction;
-  return {middle + u, middle - u, middle + v, middle - v};
+  PointsWithin<T> points{{middle + u, middle - u, middle + v, middle - v}, {}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    Vec3<W>& at = points.towards[i];
+    const W square = dot(at, at);
+    const W distance = sqrt(square);
+    points.part[i] = 1 / (square * distance);
+    at = at * (1 / distance);
+  }
+  return points;
 }
 
-// Seen from a distance of 1 a place at q shows cos/q^3 of its area.
 template <class T>
 Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, Wide<T> inside,
                       Vec3<Wide<T>> normal, Vec3<Wide<T>> view, Wide<T> eta) {
@@ -53,18 +66,15 @@ Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, 
   if (!(light.radius > 0)) return outline;
   outline.given = true;
   outline.inside = inside;
-  const std::array<Vec3<W>, 4> at = points_within(light);
+  const PointsWithin<T> within = points_within(light);
   W seen = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const W square = dot(at[i], at[i]);
-    const W distance = sqrt(square);
-    const W share = 1 / (square * distance);
-    seen = seen + share;
-    const Mirror<W> mirror = mirror_between(normal, view, at[i] * (1 / distance), eta);
+    seen = seen + within.part[i];
+    const Mirror<W> mirror = mirror_between(normal, view, within.towards[i], eta);
     if (!mirror.possible) continue;
     outline.sin2_half_beta[i] = mirror.sin2_half_beta;
-    outline.weight[i] =
-        share * solid_angle_ratio(mirror.cos_light, mirror.g_light, eta) / mirror.cos_alpha;
+    outline.weight[i] = within.part[i] * solid_angle_ratio(mirror.cos_light, mirror.g_light, eta) /
+                        mirror.cos_alpha;
   }
   const W whole =
       seen * solid_angle_ratio(middle.cos_light, middle.g_light, eta) / middle.cos_alpha;

@@ -25,6 +25,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "expected_sparkles.h"
 #include "hot_spot.h"
 #include "layer.h"
 #include "light.h"
@@ -180,27 +181,27 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
 template <class T>
 Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts, Vec3<T> view,
                        const SeenLight<T>& light) {
-  std::array<Vec3<T>, 4> at{light.direction};
+  std::array<Vec3<T>, 4> towards{light.direction};
+  std::array<T, 4> part{1};
   std::size_t points = 1;
   if (light.radius > 0) {
-    const auto within = points_within(light);
-    for (std::size_t k = 0; k < 4; ++k) at[k] = Vec3<T>(within[k]);
+    const PointsWithin<T> within = points_within(light);
+    for (std::size_t k = 0; k < 4; ++k) {
+      towards[k] = Vec3<T>(within.towards[k]);
+      part[k] = static_cast<T>(within.part[k]);
+    }
     points = 4;
   }
   Rgb<T> sum{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
     T shown = 0, seen = 0;
     for (std::size_t k = 0; k < points; ++k) {
-      const T square = dot(at[k], at[k]);
-      const T distance = sqrt(square);
-      const T part = 1 / (square * distance);
-      seen = seen + part;
-      shown = shown + part * facets_show(parts[i], view, at[k] * (1 / distance));
+      seen = seen + part[k];
+      shown = shown + part[k] * facets_show(parts[i], view, towards[k]);
     }
-    sum =
-        sum + parts[i].weight * (shown / seen *
-                                 sparkling_share(light.breadth, light.apart,
-                                                 2 * layer.eta * layer.flakes[i].orientation.tilt));
+    const T share =
+        sparkling_share(light.breadth, light.apart, turned_by(layer.flakes[i], layer.eta));
+    sum = sum + parts[i].weight * (shown / seen * share);
   }
   return sum;
 }

@@ -48,7 +48,7 @@ int is_sound(color x)
 #define ASKED_MEAN 1
 #define ASKED_OWN_SPACE 1
 #define ASKED_SPECIES (DiagnosticSpecies - 1)
-#define ASKED_SMOOTH (Diagnostic == SHOW_PAINT || Diagnostic == SHOW_LOBE)  // else the sparkles are whole
+#define ASKED_SMOOTH (Diagnostic != SHOW_SPARKLES && Diagnostic != SHOW_CONE)  // there the sparkles are whole
 
 #define DIAGNOSE_SURFACE \
   int all_sound = is_sound(surface.footprint); \
@@ -71,6 +71,10 @@ int is_sound(color x)
     irradiance = sparkle_cone(color(1.0), view, seen[i].direction, cone_half_angle(1.0, least, most), \
                               lot); \
   }
+
+#define DIAGNOSE_LOBE \
+  all_sound = all_sound && is_sound(part.weight) && isfinite(part.facing[0]) && isfinite(part.along[0]) && \
+              is_sound(part.alpha_x) && is_sound(part.alpha_y);
 
 #define DIAGNOSE_FLAKE \
   all_sound = all_sound && is_sound(mirrored.weight) && isfinite(mirrored.direction[0]);
@@ -127,6 +131,7 @@ int is_sound(color x)
 #define ASKED_SMOOTH 1
 #define DIAGNOSE_SURFACE
 #define DIAGNOSE_LIGHT
+#define DIAGNOSE_LOBE
 #define DIAGNOSE_FLAKE
 #define DIAGNOSE_PAINT
 

@@ -435,6 +435,18 @@ struct Returning {
   float exponent;
 };
 
+Returning no_returning()
+{
+  Returning none;
+  none.free = color(0.0);
+  none.far = color(0.0);
+  none.near = color(0.0);
+  none.lobe = 0.0;
+  none.above = 1.0;
+  none.exponent = 1.0;
+  return none;
+}
+
 Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float cos_in, float cos_view)
 {
   color thickness = layer.hiding * layer.thickness_in_flakes;
@@ -626,13 +638,7 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color area
     straight = color(red.straight, green.straight, blue.straight);
     lost = color(red.lost, green.lost, blue.lost);
   }
-  Returning back;
-  back.free = color(0.0);
-  back.far = color(0.0);
-  back.near = color(0.0);
-  back.lobe = 0.0;
-  back.above = 1.0;
-  back.exponent = 1.0;
+  Returning back = no_returning();
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     back = returning(layer, surface, slant_view, cos_in, cos_view);
   for (int c = 0; c < 3; ++c) {

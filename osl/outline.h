@@ -14,7 +14,7 @@ struct Outline {
   float inside;
 };
 
-void points_within(SeenLight light, output vector at[4])
+void points_within(SeenLight light, output vector towards[4], output float part[4])
 {
   vector m = light.facing;
   float sign = m[2] < 0.0 ? -1.0 : 1.0;
@@ -23,10 +23,16 @@ void points_within(SeenLight light, output vector at[4])
   float off = 0.707106781186547524401 * light.radius;
   vector u = vector(1.0 + sign * m[0] * m[0] * a, sign * b, -(sign * m[0])) * off;
   vector v = vector(b, sign + m[1] * m[1] * a, -m[1]) * off;
-  at[0] = light.direction + u;
-  at[1] = light.direction - u;
-  at[2] = light.direction + v;
-  at[3] = light.direction - v;
+  towards[0] = light.direction + u;
+  towards[1] = light.direction - u;
+  towards[2] = light.direction + v;
+  towards[3] = light.direction - v;
+  for (int i = 0; i < 4; ++i) {
+    float square = inner_product(towards[i], towards[i]);
+    float distance = sqrt(square);
+    part[i] = 1.0 / (square * distance);
+    towards[i] = towards[i] * (1.0 / distance);
+  }
 }
 
 Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vector view, float eta)
@@ -34,20 +40,18 @@ Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vecto
   Outline outline;
   outline.given = 1;
   outline.inside = inside;
-  vector at[4];
-  points_within(light, at);
+  vector towards[4];
+  float part[4];
+  points_within(light, towards, part);
   float seen = 0.0;
   for (int i = 0; i < 4; ++i) {
-    float square = inner_product(at[i], at[i]);
-    float distance = sqrt(square);
-    float share = 1.0 / (square * distance);
-    seen = seen + share;
+    seen = seen + part[i];
     outline.sin2_half_beta[i] = 0.0;
     outline.weight[i] = 0.0;
-    Mirror mirror = mirror_between(n, view, at[i] * (1.0 / distance), eta);
+    Mirror mirror = mirror_between(n, view, towards[i], eta);
     if (mirror.possible) {
       outline.sin2_half_beta[i] = mirror.sin2_half_beta;
-      outline.weight[i] = share * solid_angle_ratio(mirror.cos_light, mirror.g_light, eta) / mirror.cos_alpha;
+      outline.weight[i] = part[i] * solid_angle_ratio(mirror.cos_light, mirror.g_light, eta) / mirror.cos_alpha;
     }
   }
   float whole = seen * solid_angle_ratio(middle.cos_light, middle.g_light, eta) / middle.cos_alpha;

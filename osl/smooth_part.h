@@ -4,6 +4,7 @@
 #pragma once
 
 #include "coating.h"
+#include "expected_sparkles.h"
 #include "hot_spot.h"
 #include "layer.h"
 #include "outline.h"
@@ -162,26 +163,25 @@ SmoothPart smooth_part(Layer layer, Flakes some, Flakes flakes[SPECIES], float l
 color smooth_sparkles(Layer layer, Flakes flakes[SPECIES], SmoothPart parts[SPECIES], vector view, SeenLight light, int flat)
 {
   color sum = color(0.0);
-  vector at[4];
+  vector towards[4];
+  float part[4];
   int points = 1;
-  at[0] = light.direction;
+  towards[0] = light.direction;
+  part[0] = 1.0;
   if (flat && light.radius > 0.0) {
-    points_within(light, at);
+    points_within(light, towards, part);
     points = 4;
   }
   for (int i = 0; i < layer.species; ++i) {
     float shown = 0.0;
     float seen = 0.0;
     for (int k = 0; k < points; ++k) {
-      float square = inner_product(at[k], at[k]);
-      float distance = sqrt(square);
-      float part = 1.0 / (square * distance);
-      seen = seen + part;
-      shown = shown + part * facets_show(parts[i], view, at[k] * (1.0 / distance));
+      seen = seen + part[k];
+      shown = shown + part[k] * facets_show(parts[i], view, towards[k]);
     }
     Flakes some = flakes_of(layer, flakes, i);
-    sum = sum + parts[i].weight *
-                    (shown / seen * sparkling_share(light.breadth, light.apart, 2.0 * layer.eta * some.orientation.tilt));
+    float share = sparkling_share(light.breadth, light.apart, turned_by(some, layer.eta));
+    sum = sum + parts[i].weight * (shown / seen * share);
   }
   return sum;
 }

@@ -211,7 +211,7 @@ def random_paint(chance: random.Random) -> Paint:
 
 
 def test_every_paint_is_sound(subtests: pytest.Subtests) -> None:
-    """Under a sun of no size, the sun, and one that fills the sky."""
+    """Under a sun of no size, the sun, and one that fills the sky; there with a smooth lobe too."""
     chance = random.Random(int(seeds.fresh(400).integers(2**32)))
     seed = chance.randint(INT_MIN, INT_MAX)
     paints = PAINTS | {f"random {i}": random_paint(chance) for i in range(55)}  # with them, 9 x 9
@@ -225,6 +225,11 @@ def test_every_paint_is_sound(subtests: pytest.Subtests) -> None:
                 geometry = many.of(i)
                 assert geometry.hit.sum() > SIZE**2 / 2, "the paint is in the picture"
                 check(shown, dataclasses.replace(paint, seed=seed), geometry)
+    lights.show_other_light(True, of_lamps=True)
+    shown = Shown.by(many.probe, counts=False, radiances=False)
+    for i, (name, paint) in enumerate(paints.items()):
+        with subtests.test(name, lobe="smooth"):
+            check(shown, paint, many.of(i))
 
 
 def test_paints_of_constants_are_sound(subtests: pytest.Subtests) -> None:

@@ -269,7 +269,6 @@ TEST(DiscWalk, SingleMirroringIsThatOfTracedDiscs) {
   worst.expect_at_most(student_threshold(3 * std::size(cases), kLayers));
 }
 
-// Nothing but the substrate: Lambert's law under a smooth surface, in closed form.
 // Of light that the substrate scatters straight back, exp(c k) times as much as by ways that share
 // nothing (hot_spot.h): of level flakes but for tilts up to 0.2, also through two species.
 TEST(DiscWalk, TheSubstrateIsSeenByTheHolesItsLightComesBy) {
@@ -323,6 +322,7 @@ TEST(DiscWalk, TheSubstrateIsSeenByTheHolesItsLightComesBy) {
   EXPECT_GT(most, 1.5);
 }
 
+// Nothing but the substrate: Lambert's law under a smooth surface, in closed form.
 TEST(DiscWalk, RepeatsItselfAndTakesNoFlakes) {
   DiscScene scene;
   scene.paint.flakes_per_mm2 = 0;

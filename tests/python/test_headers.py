@@ -24,6 +24,7 @@ ONLY_SHADER = {
     "no_diffuse_light": "C++ has default values",
     "no_mixture": "C++ has default values",
     "no_part": "C++ has default values",
+    "no_returning": "C++ has default values",
     "mixture_rule": "C++ has constant arrays",
     "channels_of": "C++ copies no loop",
     "flakes_of": "C++ folds elements of arrays",

@@ -88,9 +88,10 @@ def fit(scene: bpy.types.Scene) -> Needs:
     _state["fitting"] = True  # the scene is updated, which calls handlers
     try:
         report = lights.fill(scene)
-        other_light = tuple(_other_light(scene, report))
+        things = _things(lights.used_layers(scene))
+        other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
-        of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(scene)
+        of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(things)
         lights.show_other_light(bool(needs.other_light), of_lamps)
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
@@ -218,13 +219,13 @@ def _world_override(layer: bpy.types.ViewLayer) -> bpy.types.World | None:
     return getattr(layer, "world_override", None)  # of Blender 5
 
 
-def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]:
-    layers = lights.used_layers(scene)
-    things = _things(layers)
+def _other_light(
+    scene: bpy.types.Scene, report: lights.Report, things: list[bpy.types.Object]
+) -> Iterator[str]:
     shapes = _shapes(things)
     if not any(map(lights.is_painted, shapes)):
         yield "whatever there is: no object is painted yet"
-    if _world_may_shine(scene) or any(map(_world_override, layers)):
+    if _world_may_shine(scene) or any(map(_world_override, lights.used_layers(scene))):
         yield "the world"
     lamps = _lamps(things)
     if report.without or any(lamp not in report.slots for lamp in lamps):
@@ -239,10 +240,9 @@ def _other_light(scene: bpy.types.Scene, report: lights.Report) -> Iterator[str]
         yield "the paint itself" if len(shapes) == 1 else "their neighbours"
 
 
-def _any_emits(scene: bpy.types.Scene) -> bool:
+def _any_emits(things: list[bpy.types.Object]) -> bool:
     """Objects of their own; what instancers show is not known."""
-    shapes = _shapes(_things(lights.used_layers(scene)))
-    return any(_may_emit(each) for each in shapes if not _makes_more(each))
+    return any(_may_emit(each) for each in _shapes(things) if not _makes_more(each))
 
 
 def _draws_every_frame() -> bool:
