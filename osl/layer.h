@@ -29,6 +29,7 @@ struct Unlike {
   int area;
   int orientation;
   int back;
+  int narrow;
   int coating;
   int transmittance;
 };
@@ -130,6 +131,7 @@ Flakes no_such_flakes()
   none.orientation.mean_cos = 1.0;
   none.orientation.below = 1.0;
   none.orientation.back_cosine = 0.0;
+  none.orientation.narrow = 1;
   none.solid_angle = 0.0;
   none.coating.normal_reflectance = color(0.0);
   none.coating.grazing_reflectance = color(0.0);
@@ -151,6 +153,7 @@ Unlike unlike_in(int species, Flakes a, Flakes b, Flakes c)
   unlike.area = differs(species, a.area_spread, b.area_spread, c.area_spread);
   unlike.orientation = differs(species, a.orientation.kind, b.orientation.kind, c.orientation.kind);
   unlike.back = differs(species, a.orientation.back_cosine, b.orientation.back_cosine, c.orientation.back_cosine);
+  unlike.narrow = differs(species, a.orientation.narrow, b.orientation.narrow, c.orientation.narrow);
   unlike.coating = differs(species, a.coating.kind, b.coating.kind, c.coating.kind);
   color t = a.coating.transmittance;
   unlike.transmittance = (species > 1 && !(b.coating.transmittance == t)) ||
@@ -222,6 +225,8 @@ void become(output Flakes some, Flakes other, Unlike unlike)
     some.orientation.kind = other.orientation.kind;
   if (unlike.back)
     some.orientation.back_cosine = other.orientation.back_cosine;
+  if (unlike.narrow)
+    some.orientation.narrow = other.orientation.narrow;
   if (unlike.coating)
     some.coating.kind = other.coating.kind;
   if (unlike.transmittance)

@@ -19,6 +19,7 @@ struct OrientationDensity {
   float mean_cos;
   float below;
   float back_cosine;
+  int narrow;  // whether narrow_back_area holds
 };
 
 float dawson_series(float y)
@@ -43,6 +44,7 @@ OrientationDensity make_orientation(int kind, float tilt)
   density.tilt = tilt;
   density.below = 1.0;
   density.back_cosine = 1.0;
+  density.narrow = tilt <= NARROW_BACK;
   float square = tilt * tilt;
   if (kind == ORIENTATION_GAUSSIAN) {
     density.below = 1.0 - exponential(-0.5 * HALF_PI * HALF_PI / square);
@@ -271,7 +273,7 @@ float gaussian_back_area(OrientationDensity density, float cos_theta)
     return 0.0;
   float b0 = HALF_PI - arccosine(cos_theta);
   float area = 0.0;
-  if (density.tilt <= NARROW_BACK)
+  if (density.narrow)
     area = narrow_back_area(density.tilt, b0);
   else {  // OSL drops no text behind a return
     float limit = min(HALF_PI, b0 + GAUSSIAN_REACH * density.tilt);
