@@ -257,7 +257,7 @@ color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSpark
 }
 
 // `firsts` arrive as no_flake().
-void look_close(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, int frame, int seed,
+void look_close(Layer layer, float library[], SurfacePoint surface, int frame, int seed,
                 output FirstFlake firsts[SPECIES])
 {
   float cos_view = min(inner_product(surface.n, surface.below), 1.0);
@@ -276,7 +276,7 @@ void look_close(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoi
   at.towards_a = axes[plane.u];
   at.towards_b = axes[plane.v];
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, flakes, i);
+    Flakes some = flakes_of(layer, i);
     float wanted = clamp(surface.footprint, 1e-20, 1e6) * layer.cell_share;
     float size = wanted / (some.flake_area * some.area.mean);
     if (!(surface.footprint > 0.0) || !(size < 2.0))

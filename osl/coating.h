@@ -82,7 +82,9 @@ color coating_transmittance(Coating coating, float library[], float cos_alpha)
     if (absorbing)
       row = row + (COATING_KINDS - COATING_FIRST_IRON) * COATING_ROWS;
     color value = interpolate_library(library, row, coating.thickness_nm, cos_alpha);
-    passed = absorbing ? value : color(1.0) - value;
+    passed = value;
+    if (!absorbing)
+      passed = color(1.0) - value;
   }
   else if (coating.kind != COATING_COLORS)
     passed = color(0.0);

@@ -136,7 +136,9 @@ color sum_of_many(ExpectedSparkles expected, float count, float depth, HashWords
       law[i] = here;
     }
   }
-  return channels == 1 ? color(sum[0]) : sum;
+  if (channels == 1)
+    sum = color(sum[0]);
+  return sum;
 }
 
 color sum_of_sparkles(ExpectedSparkles expected, float area_spread, HashWords key, int pixel_x,

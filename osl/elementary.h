@@ -11,7 +11,7 @@ float inner_product(vector a, vector b)
   return product[0] + product[1] + product[2];
 }
 
-// No `return` before the end of what OSL is to fold.
+// No `return` before the end of what OSL is to fold, and no `?:`, in which oslc takes the end for one more.
 float exponential(float x)
 {
   float power = 0.0;
@@ -83,7 +83,10 @@ float mean_transmittance(float x)
 // How many channels need computing: one of a grey. LLVM would copy a loop that it knows to run three times.
 int channels_of(color x)
 {
-  return x == color(x[0]) ? 1 : 3;
+  int channels = 3;
+  if (x == color(x[0]))
+    channels = 1;
+  return channels;
 }
 
 color exponential(color x)
@@ -92,7 +95,9 @@ color exponential(color x)
   color power = color(0.0);
   for (int c = 0; c < channels; ++c)
     power[c] = exponential(x[c]);
-  return channels == 1 ? color(power[0]) : power;
+  if (channels == 1)
+    power = color(power[0]);
+  return power;
 }
 
 color mean_transmittance(color x)
@@ -101,7 +106,9 @@ color mean_transmittance(color x)
   color mean = color(0.0);
   for (int c = 0; c < channels; ++c)
     mean[c] = mean_transmittance(x[c]);
-  return channels == 1 ? color(mean[0]) : mean;
+  if (channels == 1)
+    mean = color(mean[0]);
+  return mean;
 }
 
 float mills_ratio(float x)
@@ -132,9 +139,13 @@ float normal_cdf(float x)
 
 float normal_quantile(float probability)
 {
-  float tail = probability < 0.5 ? probability : max(1.0 - probability, 2.98023224e-8);
+  float tail = probability;
+  if (probability >= 0.5)
+    tail = max(1.0 - probability, 2.98023224e-8);
   float s = sqrt(-logarithm(tail)) - 0.832554638;
   float x = s * (2.08690047 + s * (3.06331158 + s * (1.21001446 + s * 0.121097498))) /
             (1.0 + s * (1.69982719 + s * (0.786421716 + s * 0.0855965614)));
-  return probability < 0.5 ? -x : x;
+  if (probability < 0.5)
+    x = -x;
+  return x;
 }

@@ -41,7 +41,7 @@ float steeper(OrientationDensity density, float u)
   return inside_unit(more);
 }
 
-MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
+MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
                             FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth, int steep)
 {
   MirroredSample mirrored;
@@ -72,13 +72,22 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   int kind = 0;
   if (layer.species > 1) {
     float at = uniform_tilt * layer.coverage;
-    while (kind + 1 < layer.species && at >= flakes[kind].coverage) {
-      at = at - flakes[kind].coverage;
-      kind = kind + 1;
+    float covered = layer.first.coverage;
+    if (at >= covered) {
+      at = at - covered;
+      covered = layer.second.coverage;
+      kind = 1;
+      if (layer.species > 2) {
+        if (at >= covered) {
+          at = at - covered;
+          covered = layer.third.coverage;
+          kind = 2;
+        }
+      }
     }
-    rest = inside_unit(at / max(flakes[kind].coverage, 1e-30));
+    rest = inside_unit(at / max(covered, 1e-30));
   }
-  Flakes some = flakes_of(layer, flakes, kind);
+  Flakes some = flakes_of(layer, kind);
   mirrored.species = kind;
   mirrored.turned = 2.0 * eta * some.orientation.tilt;
   FirstFlake first = firsts[kind];
@@ -124,7 +133,7 @@ MirroredSample sample_flake(Layer layer, Flakes flakes[SPECIES], float library[]
   float cos_alpha = min(fabs(facing), 1.0);
   float cos_view_in = min(g_view / eta, 1.0);
   vector apart = inside / cos_view_in - l / along;
-  color slant = there_and_back(layer, surface.slant, slant_depth_of(layer, flakes, library, min(along, 1.0)),
+  color slant = there_and_back(layer, surface.slant, slant_depth_of(layer, library, min(along, 1.0)),
                                sqrt(inner_product(apart, apart)));
   float exit = cos_view_in;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)

@@ -17,7 +17,9 @@ color share_in_common(float w, color x)
   color share = color(0.0);
   for (int c = 0; c < channels; ++c)
     share[c] = share_in_common(w, x[c]);
-  return channels == 1 ? color(share[0]) : share;
+  if (channels == 1)
+    share = color(share[0]);
+  return share;
 }
 
 color hidden_one_way(color r)
@@ -40,22 +42,20 @@ color hidden_at_once(float one_way, color share)
 color share_in_common(Layer layer, float delta, color x)
 {
   color sum = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), x);
-  if (layer.species > 1) {
-    sum = sum * layer.hiding[0];
-    for (int i = 1; i < layer.species; ++i)
-      sum = sum + layer.hiding[i] * share_in_common(min(delta * layer.thickness_in_flakes[i], 1e9), x);
-  }
+  if (layer.species > 1)
+    sum = layer.hiding[0] * sum + layer.hiding[1] * share_in_common(min(delta * layer.thickness_in_flakes[1], 1e9), x);
+  if (layer.species > 2)
+    sum = sum + layer.hiding[2] * share_in_common(min(delta * layer.thickness_in_flakes[2], 1e9), x);
   return sum;
 }
 
 float share_in_common(Layer layer, float delta, float x)
 {
   float sum = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), x);
-  if (layer.species > 1) {
-    sum = sum * layer.hiding[0];
-    for (int i = 1; i < layer.species; ++i)
-      sum = sum + layer.hiding[i] * share_in_common(min(delta * layer.thickness_in_flakes[i], 1e9), x);
-  }
+  if (layer.species > 1)
+    sum = layer.hiding[0] * sum + layer.hiding[1] * share_in_common(min(delta * layer.thickness_in_flakes[1], 1e9), x);
+  if (layer.species > 2)
+    sum = sum + layer.hiding[2] * share_in_common(min(delta * layer.thickness_in_flakes[2], 1e9), x);
   return sum;
 }
 
@@ -74,12 +74,12 @@ float holes_in_common(float w, float g)
 float holes_in_common(Layer layer, float delta)
 {
   float sum = holes_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), min(delta * layer.gap_in_flakes[0], 1e9));
-  if (layer.species > 1) {
-    sum = sum * layer.hiding[0];
-    for (int i = 1; i < layer.species; ++i)
-      sum = sum + layer.hiding[i] * holes_in_common(min(delta * layer.thickness_in_flakes[i], 1e9),
-                                                    min(delta * layer.gap_in_flakes[i], 1e9));
-  }
+  if (layer.species > 1)
+    sum = layer.hiding[0] * sum + layer.hiding[1] * holes_in_common(min(delta * layer.thickness_in_flakes[1], 1e9),
+                                                                    min(delta * layer.gap_in_flakes[1], 1e9));
+  if (layer.species > 2)
+    sum = sum + layer.hiding[2] * holes_in_common(min(delta * layer.thickness_in_flakes[2], 1e9),
+                                                  min(delta * layer.gap_in_flakes[2], 1e9));
   return sum;
 }
 

@@ -24,10 +24,22 @@ struct Flakes {
 
 #define SPECIES 3
 
-// The layer's flakes go beside it: Flakes flakes[SPECIES], and float library[] of their coatings.
+// Whether the species differ in this.
+struct Unlike {
+  int area;
+  int orientation;
+  int back;
+  int coating;
+  int transmittance;
+};
+
+// The library of their coatings, float library[], goes beside it.
 struct Layer {
   int species;
   Flakes first;
+  Flakes second;
+  Flakes third;
+  Unlike unlike;
   float coverage;
   float eta;
   color binder_depth;
@@ -95,35 +107,77 @@ float reach_below(Flakes some)
 {
   float mean_cos = some.orientation.mean_cos;
   float sine = sqrt(max((1.0 - mean_cos) * (1.0 + mean_cos), 0.0));
-  return some.diameter * min(1.25 * sine, 0.5);
+  float reach = some.diameter * min(1.25 * sine, 0.5);
+  if (!(some.coverage > 0.0))
+    reach = 0.0;
+  return reach;
 }
 
-// `present`: how many of the flakes are made.
-Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present, float library[])
+// A species that the layer lacks: it covers nothing.
+Flakes no_such_flakes()
+{
+  Flakes none;
+  none.areal_density = 0.0;
+  none.flake_area = 1.0;
+  none.area_spread = 0.0;
+  none.area.mean = 1.0;
+  none.area.square = 1.0;
+  none.area.cube = 1.0;
+  none.coverage = 0.0;
+  none.orientation.kind = ORIENTATION_BECKMANN;
+  none.orientation.tilt = 1.0;
+  none.orientation.norm = 1.0;
+  none.orientation.mean_cos = 1.0;
+  none.orientation.below = 1.0;
+  none.orientation.back_cosine = 0.0;
+  none.solid_angle = 0.0;
+  none.coating.normal_reflectance = color(0.0);
+  none.coating.grazing_reflectance = color(0.0);
+  none.coating.transmittance = color(0.0);
+  none.coating.kind = COATING_COLORS;
+  none.coating.thickness_nm = 0.0;
+  none.diameter = 1.0;
+  return none;
+}
+
+int differs(int species, float first, float second, float third)
+{
+  return (species > 1 && second != first) || (species > 2 && third != first);
+}
+
+Unlike unlike_in(int species, Flakes a, Flakes b, Flakes c)
+{
+  Unlike unlike;
+  unlike.area = differs(species, a.area_spread, b.area_spread, c.area_spread);
+  unlike.orientation = differs(species, a.orientation.kind, b.orientation.kind, c.orientation.kind);
+  unlike.back = differs(species, a.orientation.back_cosine, b.orientation.back_cosine, c.orientation.back_cosine);
+  unlike.coating = differs(species, a.coating.kind, b.coating.kind, c.coating.kind);
+  color t = a.coating.transmittance;
+  unlike.transmittance = (species > 1 && !(b.coating.transmittance == t)) ||
+                         (species > 2 && !(c.coating.transmittance == t));
+  return unlike;
+}
+
+// Each species by its name: OSL folds no loop, and no element of an array.
+Layer make_layer(Paint given, Flakes first, Flakes second, Flakes third, float library[])
 {
   Layer layer;
   layer.eta = given.binder_ior;
   layer.species = 1;
+  if (second.areal_density > 0.0)
+    layer.species = 2;
+  if (third.areal_density > 0.0)
+    layer.species = 3;
   layer.first = first;
-  layer.coverage = first.coverage;
-  layer.shared_blocking = shared_blocking_of(first, library);
-  color covered = color(first.coverage, 0.0, 0.0);
-  layer.diameters = color(first.diameter);
-  float gap = 0.0;
-  if (first.coverage > 0.0)
-    gap = reach_below(first);
-  if (present > 1) {
-    for (int i = 1; i < present; ++i) {
-      if (flakes[i].areal_density > 0.0)
-        layer.species = i + 1;
-      layer.coverage = layer.coverage + flakes[i].coverage;
-      layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes[i], library);
-      if (flakes[i].coverage > 0.0)
-        gap = max(gap, reach_below(flakes[i]));
-    }
-    covered = color(first.coverage, flakes[1].coverage, flakes[2].coverage);
-    layer.diameters = color(first.diameter, flakes[1].diameter, flakes[2].diameter);
-  }
+  layer.second = second;
+  layer.third = third;
+  layer.unlike = unlike_in(layer.species, first, second, third);
+  color covered = color(first.coverage, second.coverage, third.coverage);
+  layer.coverage = covered[0] + covered[1] + covered[2];
+  layer.shared_blocking = shared_blocking_of(first, library) + shared_blocking_of(second, library) +
+                          shared_blocking_of(third, library);
+  layer.diameters = color(first.diameter, second.diameter, third.diameter);
+  float gap = max(max(reach_below(first), reach_below(second)), reach_below(third));
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;
   float thickness_mm = given.layer_thickness_um * 0.001;
   layer.binder_depth = (given.binder_absorption_per_mm + color(rayleigh)) * thickness_mm;
@@ -144,42 +198,67 @@ Layer make_layer(Paint given, Flakes first, Flakes flakes[SPECIES], int present,
   return layer;
 }
 
-// The species by number. OSL folds no element of an array, but all that a single species decides.
-Flakes flakes_of(Layer layer, Flakes flakes[SPECIES], int species)
+// Of these flakes what may tell them from the layer's first; what all species have alike stays a constant for OSL, and so
+// which formula is theirs.
+void become(output Flakes some, Flakes other, Unlike unlike)
+{
+  some.areal_density = other.areal_density;
+  some.flake_area = other.flake_area;
+  some.coverage = other.coverage;
+  some.orientation.tilt = other.orientation.tilt;
+  some.orientation.norm = other.orientation.norm;
+  some.orientation.mean_cos = other.orientation.mean_cos;
+  some.orientation.below = other.orientation.below;
+  some.solid_angle = other.solid_angle;
+  some.coating.normal_reflectance = other.coating.normal_reflectance;
+  some.coating.grazing_reflectance = other.coating.grazing_reflectance;
+  some.coating.thickness_nm = other.coating.thickness_nm;
+  some.diameter = other.diameter;
+  if (unlike.area) {
+    some.area_spread = other.area_spread;
+    some.area = other.area;
+  }
+  if (unlike.orientation)
+    some.orientation.kind = other.orientation.kind;
+  if (unlike.back)
+    some.orientation.back_cosine = other.orientation.back_cosine;
+  if (unlike.coating)
+    some.coating.kind = other.coating.kind;
+  if (unlike.transmittance)
+    some.coating.transmittance = other.coating.transmittance;
+}
+
+// The species by number.
+Flakes flakes_of(Layer layer, int species)
 {
   Flakes some = layer.first;
-  if (layer.species > 1)
-    some = flakes[species];
+  if (layer.species > 1) {
+    if (species == 1)
+      become(some, layer.second, layer.unlike);
+    if (layer.species > 2) {
+      if (species == 2)
+        become(some, layer.third, layer.unlike);
+    }
+  }
   return some;
 }
 
-// mean_projected_area of each species.
-color projected_areas(Layer layer, Flakes flakes[SPECIES], float cos_in)
+// `areas` becomes mean_projected_area of each species.
+color slant_depth_of(Layer layer, float library[], float cos_in, output color areas)
 {
-  color areas = color(0.0);
+  color blocking = color(0.0);
+  areas = color(0.0);
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, flakes, i);
-    areas[i] = mean_projected_area(some.orientation, cos_in);
+    Flakes some = flakes_of(layer, i);
+    float area = mean_projected_area(some.orientation, cos_in);
+    areas[i] = area;
+    blocking = blocking + blocked_area(some.orientation, some.coating, library, area, cos_in) * some.coverage;
   }
-  return areas;
+  return slant_depth(blocking, layer.binder_depth, cos_in);
 }
 
-color flake_blocking(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
+color slant_depth_of(Layer layer, float library[], float cos_in)
 {
-  color sum = color(0.0);
-  for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, flakes, i);
-    sum = sum + blocked_area(some.orientation, some.coating, library, areas[i], cos_in) * some.coverage;
-  }
-  return sum;
-}
-
-color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], color areas, float cos_in)
-{
-  return slant_depth(flake_blocking(layer, flakes, library, areas, cos_in), layer.binder_depth, cos_in);
-}
-
-color slant_depth_of(Layer layer, Flakes flakes[SPECIES], float library[], float cos_in)
-{
-  return slant_depth_of(layer, flakes, library, projected_areas(layer, flakes, cos_in), cos_in);
+  color areas;
+  return slant_depth_of(layer, library, cos_in, areas);
 }

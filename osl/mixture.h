@@ -121,11 +121,17 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   color shared = layer.shared_blocking;
   float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
+  float pair[2] = {PAIR_NODE, PAIR_OTHER};
+  int points = MIXTURE_POINTS;
+  if (narrow)
+    points = 2;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
   for (int piece = 0; piece < 2; ++piece) {
-    float along = piece == 0 ? sin_in - sin_critical : sin_in + sin_critical;
+    float along = sin_in - sin_critical;
+    if (piece == 1)
+      along = sin_in + sin_critical;
     float end = edge_deviate(density, (across * across + along * along) / 2.0);
     float begin = start;
     float span = end - start;
@@ -134,11 +140,11 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
     float shown = width * min(width / FEW_FLAKES - 1.0, 1.0);
-    for (int i = 0; i < (narrow ? 2 : 3); ++i) {
+    for (int i = 0; i < points; ++i) {
       float x = node[i];
       float part = weight[i];
       if (narrow) {
-        x = i == 0 ? PAIR_NODE : PAIR_OTHER;
+        x = pair[i];
         part = 0.5;
       }
       float place = x * (2.0 - x);
@@ -163,9 +169,11 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
       }
       float ring = part * slope * shown * tilt.weight * limit * (1.0 / M_PI);
       for (int j = 0; j < 2; ++j) {
-        float cos_phi = j == 0 ? 0.707106781 : -0.707106781;
+        float cos_phi = 0.707106781;
+        if (j == 1)
+          cos_phi = -cos_phi;
         if (limit < HALF_PI) {
-          float half_sine = sine(limit * (j == 0 ? PAIR_NODE : PAIR_OTHER));
+          float half_sine = sine(limit * pair[j]);
           cos_phi = 1.0 - 2.0 * half_sine * half_sine;
         }
         float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
@@ -254,7 +262,7 @@ color lost_colour(color mirrored, color passed)
   return max(color(1.0) - mirrored - passed, color(0.0));
 }
 
-SingleShares mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, float library[], Mirroring mirrored,
+SingleShares mean_single(Layer layer, Coating coating, float library[], Mirroring mirrored,
                          color slant_view)
 {
   SingleShares sum;
@@ -271,10 +279,12 @@ SingleShares mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, f
     if (deviation > 0.0)
       shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
   }
-  int sides = deviation > 0.0 ? 2 : 1;
+  int sides = 1;
+  if (deviation > 0.0)
+    sides = 2;
   for (int i = 0; i < sides; ++i) {
     float exit = clamp(cos_exit + shift, LEAST_COSINE, 1.0);
-    color slant_out = slant_depth_of(layer, flakes, library, exit);
+    color slant_out = slant_depth_of(layer, library, exit);
     color r = coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0));
     sum.independent = sum.independent + r * mean_transmittance(slant_view + slant_out);
     if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
@@ -287,19 +297,6 @@ SingleShares mean_single(Layer layer, Flakes flakes[SPECIES], Coating coating, f
   sum.independent = sum.independent / sides;
   sum.correlated = sum.correlated / sides;
   return sum;
-}
-
-DiffuseRates no_diffuse_light()
-{
-  DiffuseRates rates;
-  rates.coverage = 0.0;
-  rates.cos_sum = 0.0;
-  rates.turn_sum = 0.0;
-  rates.cone_mirror = color(0.0);
-  rates.cone_loss = color(0.0);
-  rates.trapped_mirror = color(0.0);
-  rates.trapped_loss = color(0.0);
-  return rates;
 }
 
 DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
@@ -321,7 +318,9 @@ DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
   DiffuseRates rates;
   rates.coverage = coverage;
   rates.cos_sum = coverage * cone_area;
-  float body = some.orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
+  float body = 1.0;
+  if (some.orientation.kind == ORIENTATION_GGX)
+    body = 0.5;
   rates.turn_sum = coverage * (1.0 - cone_area) * body;
   rates.cone_mirror = r_cone * cone_flux;
   rates.cone_loss = lost_colour(r_cone, t_cone) * cone_flux;
@@ -330,21 +329,23 @@ DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
   return rates;
 }
 
-void add_diffuse(output DiffuseRates rates, DiffuseRates more)
+DiffuseRates of_both(DiffuseRates a, DiffuseRates b)
 {
-  rates.coverage = rates.coverage + more.coverage;
-  rates.cos_sum = rates.cos_sum + more.cos_sum;
-  rates.turn_sum = rates.turn_sum + more.turn_sum;
-  rates.cone_mirror = rates.cone_mirror + more.cone_mirror;
-  rates.cone_loss = rates.cone_loss + more.cone_loss;
-  rates.trapped_mirror = rates.trapped_mirror + more.trapped_mirror;
-  rates.trapped_loss = rates.trapped_loss + more.trapped_loss;
+  DiffuseRates sum;
+  sum.coverage = a.coverage + b.coverage;
+  sum.cos_sum = a.cos_sum + b.cos_sum;
+  sum.turn_sum = a.turn_sum + b.turn_sum;
+  sum.cone_mirror = a.cone_mirror + b.cone_mirror;
+  sum.cone_loss = a.cone_loss + b.cone_loss;
+  sum.trapped_mirror = a.trapped_mirror + b.trapped_mirror;
+  sum.trapped_loss = a.trapped_loss + b.trapped_loss;
+  return sum;
 }
 
-void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], int species, float library[],
+void add_flakes(output FlakeRates rates, Layer layer, int species, float library[],
                 DiffuseSurface surface, float cos_in, float area, color slant_view)
 {
-  Flakes some = flakes_of(layer, flakes, species);
+  Flakes some = flakes_of(layer, species);
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
   Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in);
@@ -355,7 +356,7 @@ void add_flakes(output FlakeRates rates, Layer layer, Flakes flakes[SPECIES], in
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  SingleShares single = mean_single(layer, flakes, coating, library, mirrored, slant_view);
+  SingleShares single = mean_single(layer, coating, library, mirrored, slant_view);
   rates.single.independent = rates.single.independent + single.independent * (flux * mirrored.escaping);
   rates.single.correlated = rates.single.correlated + single.correlated * (flux * mirrored.escaping);
 }
@@ -460,7 +461,7 @@ Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float
   Returning back;
   float far = holes_in_common(layer, apart);
   color shared = min(layer.shared_blocking, slant_view);
-  int channels = channels_of(slant_view) == 1 && channels_of(shared) == 1 ? 1 : 3;
+  int channels = max(channels_of(slant_view), channels_of(shared));
   for (int c = 0; c < channels; ++c) {
     back.free[c] = exponential(-slant_view[c]);
     back.far[c] = exponential(shared[c] * far - slant_view[c]);
@@ -585,7 +586,7 @@ Mixture no_mixture()
 }
 
 // `areas`, `slant_view`: of the way to the observer.
-Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color areas, color slant_view, color substrate,
+Mixture mixture(Layer layer, float library[], color areas, color slant_view, color substrate,
                 float cos_view)
 {
   Mixture sum = no_mixture();
@@ -595,49 +596,27 @@ Mixture mixture(Layer layer, Flakes flakes[SPECIES], float library[], color area
     return sum;
   float cos_in = clamp(g / eta, LEAST_COSINE, 1.0);
   DiffuseSurface surface = diffuse_surface(eta);
-  // Diffuse light depends on the paint alone. Of one species OSL folds it: no loop, and what is set once.
-  DiffuseRates diffuse_light;
-  if (layer.species > 1) {
-    diffuse_light = no_diffuse_light();
-    for (int i = 0; i < layer.species; ++i)
-      add_diffuse(diffuse_light, diffuse_rates(flakes[i], library, surface));
-  }
-  else
-    diffuse_light = diffuse_rates(layer.first, library, surface);
+  // Diffuse light depends on the paint alone: no loop, and what is set once, so that OSL folds it.
+  DiffuseRates diffuse_light = of_both(of_both(diffuse_rates(layer.first, library, surface),
+                                               diffuse_rates(layer.second, library, surface)),
+                                       diffuse_rates(layer.third, library, surface));
   FlakeRates rates = no_flakes();
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, flakes, i);
+    Flakes some = flakes_of(layer, i);
     if (some.coverage > 0.0)
-      add_flakes(rates, layer, flakes, i, library, surface, cos_in, areas[i], slant_view);
+      add_flakes(rates, layer, i, library, surface, cos_in, areas[i], slant_view);
   }
   float entered = fresnel_transmittance(cos_view, g, eta);
   float rayleigh = layer.rayleigh_depth;
   color absorption = max(layer.binder_depth - color(rayleigh), color(0.0));
-  color trapped_out;
-  color trapped_down;
-  color below;
-  color straight;
-  color lost;
-  if (layer.species > 1) {
-    for (int c = 0; c < 3; ++c) {
-      DiffuseShares one = diffuse_channel(diffuse_light, c, surface, absorption[c], rayleigh, substrate[c]);
-      trapped_out[c] = one.trapped_out;
-      trapped_down[c] = one.trapped_down;
-      below[c] = one.below;
-      straight[c] = one.straight;
-      lost[c] = one.lost;
-    }
-  }
-  else {
-    DiffuseShares red = diffuse_channel(diffuse_light, 0, surface, absorption[0], rayleigh, substrate[0]);
-    DiffuseShares green = diffuse_channel(diffuse_light, 1, surface, absorption[1], rayleigh, substrate[1]);
-    DiffuseShares blue = diffuse_channel(diffuse_light, 2, surface, absorption[2], rayleigh, substrate[2]);
-    trapped_out = color(red.trapped_out, green.trapped_out, blue.trapped_out);
-    trapped_down = color(red.trapped_down, green.trapped_down, blue.trapped_down);
-    below = color(red.below, green.below, blue.below);
-    straight = color(red.straight, green.straight, blue.straight);
-    lost = color(red.lost, green.lost, blue.lost);
-  }
+  DiffuseShares red = diffuse_channel(diffuse_light, 0, surface, absorption[0], rayleigh, substrate[0]);
+  DiffuseShares green = diffuse_channel(diffuse_light, 1, surface, absorption[1], rayleigh, substrate[1]);
+  DiffuseShares blue = diffuse_channel(diffuse_light, 2, surface, absorption[2], rayleigh, substrate[2]);
+  color trapped_out = color(red.trapped_out, green.trapped_out, blue.trapped_out);
+  color trapped_down = color(red.trapped_down, green.trapped_down, blue.trapped_down);
+  color below = color(red.below, green.below, blue.below);
+  color straight = color(red.straight, green.straight, blue.straight);
+  color lost = color(red.lost, green.lost, blue.lost);
   Returning back = no_returning();
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     back = returning(layer, surface, slant_view, cos_in, cos_view);

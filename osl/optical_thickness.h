@@ -13,12 +13,18 @@ color mean_flake_transmittance(OrientationDensity density, Coating coating, floa
   color sum = color(0.0);
   float area = 0.0;
   for (int i = 0; i < 2; ++i) {
-    SampledTilt tilt = sample_tilt(density, i == 0 ? 0.211324865 : 0.788675135);
+    float deviate = 0.211324865;
+    if (i == 1)
+      deviate = 0.788675135;
+    SampledTilt tilt = sample_tilt(density, deviate);
     float h = tilt.sin2_half_beta;
     float a = cos_theta * (1.0 - 2.0 * h);
     float b = sin_theta * (1.41421356 * sqrt(h * (1.0 - h)));
     for (int side = 0; side < 2; ++side) {
-      float cosine = fabs(side == 0 ? a + b : a - b);
+      float across = b;
+      if (side == 1)
+        across = -b;
+      float cosine = fabs(a + across);
       float weight = tilt.weight * cosine;
       sum = sum + coating_transmittance(coating, library, cosine) * weight;
       area = area + weight;

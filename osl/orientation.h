@@ -27,6 +27,15 @@ float dawson_series(float y)
          (1.0 - y / 13.0 * (1.0 - y / 15.0))))));
 }
 
+void add_ring(float limit, float tilt, float node, float weight, output float sum, output float sum_cos)
+{
+  float beta = limit * node;
+  float x = beta / tilt;
+  float term = weight * exponential(-0.5 * x * x) * sine(beta);
+  sum = sum + term;
+  sum_cos = sum_cos + term * cosine(beta);
+}
+
 OrientationDensity make_orientation(int kind, float tilt)
 {
   OrientationDensity density;
@@ -43,19 +52,22 @@ OrientationDensity make_orientation(int kind, float tilt)
       density.mean_cos = dawson_series(4.0 * square) / dawson_series(square);
     }
     else {
-      float node[12];
-      float weight[12];
-      gauss_rule(node, weight);
+      // Written out: OSL folds no loop.
       float limit = min(HALF_PI, GAUSSIAN_REACH * tilt);
       float sum = 0.0;
       float sum_cos = 0.0;
-      for (int i = 0; i < GAUSS_POINTS; ++i) {
-        float beta = limit * node[i];
-        float x = beta / tilt;
-        float term = weight[i] * exponential(-0.5 * x * x) * sine(beta);
-        sum = sum + term;
-        sum_cos = sum_cos + term * cosine(beta);
-      }
+      add_ring(limit, tilt, 0.00921968288, 0.0235876682, sum, sum_cos);
+      add_ring(limit, tilt, 0.0479413718, 0.053469663, sum, sum_cos);
+      add_ring(limit, tilt, 0.115048663, 0.0800391643, sum, sum_cos);
+      add_ring(limit, tilt, 0.206341023, 0.101583713, sum, sum_cos);
+      add_ring(limit, tilt, 0.316084251, 0.116746268, sum, sum_cos);
+      add_ring(limit, tilt, 0.437383296, 0.124573523, sum, sum_cos);
+      add_ring(limit, tilt, 0.562616704, 0.124573523, sum, sum_cos);
+      add_ring(limit, tilt, 0.683915749, 0.116746268, sum, sum_cos);
+      add_ring(limit, tilt, 0.793658977, 0.101583713, sum, sum_cos);
+      add_ring(limit, tilt, 0.884951337, 0.0800391643, sum, sum_cos);
+      add_ring(limit, tilt, 0.952058628, 0.053469663, sum, sum_cos);
+      add_ring(limit, tilt, 0.990780317, 0.0235876682, sum, sum_cos);
       density.norm = limit * sum;
       density.mean_cos = sum_cos / sum;
     }

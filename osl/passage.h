@@ -45,7 +45,7 @@ struct Passage {
 };
 
 // `flat`: whether any listed light is.
-Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, SeenLight light, int flat)
+Passage pass_between(Layer layer, float library[], SurfacePoint surface, SeenLight light, int flat)
 {
   Passage way;
   way.open = 0;
@@ -95,7 +95,7 @@ Passage pass_between(Layer layer, Flakes flakes[SPECIES], float library[], Surfa
                                             solid_angle_of_facets(way.mirror.cos_light, way.mirror.g_light, eta));
   float apart = ways_apart(surface.n, surface.below, way.mirror.cos_view, way.mirror.g_view, direction,
                            way.mirror.cos_light, way.mirror.g_light);
-  color out = slant_depth_of(layer, flakes, library, cos_light_in);
+  color out = slant_depth_of(layer, library, cos_light_in);
   way.slant = there_and_back(layer, surface.slant, out, apart);
   way.shared = (surface.slant + out) - way.slant;
   way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *

@@ -89,7 +89,7 @@ SmoothPart no_part(vector n)
   return facets_at(n, vector(0.0), 0.0, 0.0, 0.0);
 }
 
-SmoothPart smooth_part(Layer layer, Flakes some, Flakes flakes[SPECIES], float library[], SurfacePoint surface)
+SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint surface)
 {
   vector n = surface.n;
   vector view = surface.view;
@@ -132,7 +132,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, Flakes flakes[SPECIES], float l
       return none;
     if (i == 0) {
       float cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, 1.0);
-      depth = slant_depth_of(layer, flakes, library, cos_light_in) * cos_light_in;
+      depth = slant_depth_of(layer, library, cos_light_in) * cos_light_in;
     }
     shown[i] = flakes_show(layer, some, library, n, view, light[i], surface.slant, depth);
     ratio[i] = (shown[i][0] + shown[i][1] + shown[i][2]) / max(facets_show(part, view, light[i]), 1e-30);
@@ -160,7 +160,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, Flakes flakes[SPECIES], float l
   return part;
 }
 
-color smooth_sparkles(Layer layer, Flakes flakes[SPECIES], SmoothPart parts[SPECIES], vector view, SeenLight light, int flat)
+color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], vector view, SeenLight light, int flat)
 {
   color sum = color(0.0);
   vector towards[4];
@@ -179,7 +179,7 @@ color smooth_sparkles(Layer layer, Flakes flakes[SPECIES], SmoothPart parts[SPEC
       seen = seen + part[k];
       shown = shown + part[k] * facets_show(parts[i], view, towards[k]);
     }
-    Flakes some = flakes_of(layer, flakes, i);
+    Flakes some = flakes_of(layer, i);
     float share = sparkling_share(light.breadth, light.apart, turned_by(some, layer.eta));
     sum = sum + parts[i].weight * (shown / seen * share);
   }

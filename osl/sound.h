@@ -29,7 +29,9 @@ vector sound_normal(vector given, vector usual)
   float square = inner_product(given, given);
   if (square < 0.9999 || square > 1.0001) {  // NaN: see sound()
     float size = fabs(given[0]) + fabs(given[1]) + fabs(given[2]);
-    unit = size < 1e-30 || size > GREATEST ? usual : normalize(given / size);
+    unit = usual;
+    if (!(size < 1e-30 || size > GREATEST))
+      unit = normalize(given / size);
   }
   return unit;
 }

@@ -20,13 +20,13 @@ struct PixelSparkles {
 };
 
 // Where the cells of the surface are those of the species. No light has a part in them.
-void find_cells(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, FirstFlake firsts[SPECIES], int frame,
+void find_cells(Layer layer, SurfacePoint surface, FirstFlake firsts[SPECIES], int frame,
                 int seed, output Cell cells[SPECIES])
 {
   for (int i = 0; i < layer.species; ++i) {
     FirstFlake first = firsts[i];
     if (layer.anchor == ANCHOR_SURFACE && !first.close) {
-      Flakes some = flakes_of(layer, flakes, i);
+      Flakes some = flakes_of(layer, i);
       cells[i] = find_cell(surface, layer.cell_share, some.flake_area * some.area.mean,
                            own_stream(layer, surface.own, i, frame, seed));
     }
@@ -34,7 +34,7 @@ void find_cells(Layer layer, Flakes flakes[SPECIES], SurfacePoint surface, First
 }
 
 // `blurred`, or without contrast: the mean, and nothing is drawn. mean_radiance is found where it is asked for.
-PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface,
+PixelSparkles sparkle(Layer layer, float library[], SurfacePoint surface,
                       FirstFlake firsts[SPECIES], Cell cells[SPECIES], Passage way, int flat, int light, int frame, int seed,
                       int blurred, int asked_mean, int shown)
 {
@@ -46,7 +46,7 @@ PixelSparkles sparkle(Layer layer, Flakes flakes[SPECIES], float library[], Surf
   float ceiling = 0.0;
   int only_mean = blurred || !(layer.sparkle_contrast > 0.0);
   for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, flakes, i);
+    Flakes some = flakes_of(layer, i);
     FirstFlake first = firsts[i];
     float area = surface.footprint;
     HashWords key;

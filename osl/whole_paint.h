@@ -25,7 +25,7 @@ struct Stack {
 };
 
 // What no light has a part in.
-Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library[], SurfacePoint surface, vector given_coat_n,
+Stack make_stack(Paint given, Layer layer, float library[], SurfacePoint surface, vector given_coat_n,
                  int frame)
 {
   Stack stack;
@@ -54,7 +54,7 @@ Stack make_stack(Paint given, Layer layer, Flakes flakes[SPECIES], float library
     coat_n = above_surface(coat_n, n, surface.view);
   stack.coat_normal = coat_n;
 
-  Mixture scattered = mixture(layer, flakes, library, surface.areas, surface.slant, given.substrate_color, cos_below);
+  Mixture scattered = mixture(layer, library, surface.areas, surface.slant, given.substrate_color, cos_below);
   stack.diffuse = scattered.diffuse_albedo;
   stack.glossy = scattered.glossy_albedo;
   stack.returned = scattered.returned_albedo;

@@ -52,16 +52,12 @@ def replace(old: str, new: str) -> Text:
 
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
-    text = cut("  if (SecondFlakesPerMm2", "  Layer flake_layer = make_layer")(text)
-    many = "  if (layer.species > 1) {\n"
-    text = cut(many + "    float at", "  Flakes some = flakes_of")(text)
-    text = cut(many + "    diffuse_light", "    diffuse_light = diffuse_rates(layer")(text)
-    text = cut(many + "    for (int c", "    DiffuseShares red", "  {\n")(text)
-    text = cut("  if (layer.species > 1)\n    some", "  return some;")(text)
-    loop = "for (int i = 0; i < layer.species; ++i) {"
-    return replace(loop, "for (int i = 0; i < 1; ++i) {")(text)
-
-
+    text = cut("  Flakes second;\n", "  Layer flake_layer = make_layer",
+               "  Flakes second = no_such_flakes();\n  Flakes third = second;\n")(text)  # fmt: skip
+    text = replace("third.areal_density > 0.0 ? 3 : (second.areal_density > 0.0 ? 2 : 1)", "1")(text)
+    for more in (" + shared_blocking_of(second, library) +\n", " shared_blocking_of(third, library)"):
+        text = replace(more, "")(text)
+    return text
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
     text = cut(
