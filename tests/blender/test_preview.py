@@ -5,12 +5,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import re
+import subprocess
+import sys
 
 import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
 import seeds
+from common.processes import TOOLS
 from metallic_paint.paint import (
     COATINGS,
     PARAMETERS,
@@ -104,6 +109,17 @@ def test_where_the_shader_runs_it_is_all_that_shows() -> None:
     tree.links.new(tree.nodes[material.NAME].outputs[material.OUTPUT], out.inputs[0])
     assert np.array_equal(mixed, render(bpy.context.scene))
     assert by_angle(mixed).min() > 0
+
+
+def test_where_the_shader_runs_cycles_drops_it_before_osl_compiles() -> None:
+    statistics = subprocess.run(
+        [sys.executable, TOOLS, "bench.show_operations", "the paint"],
+        env={**os.environ, "OSL_OPTIONS": "statistics:level=1"},
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    found = re.search(r"Instances: (\d+) requested", statistics)
+    assert found
+    assert int(found[1]) < 30  # nodes, with those of the light and the world
 
 
 # --- without it ------------------------------------------------------------------------------

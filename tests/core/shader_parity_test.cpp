@@ -120,7 +120,8 @@ ShaderPaint to_osl(const Paint& paint, float* library) {
     shader.flakes[static_cast<std::size_t>(i)] =
         osl::make_flakes(to_osl(paint.species(i)), given.binder_ior, given.diffraction);
   }
-  shader.layer = osl::make_layer(given, shader.flakes[0], shader.flakes[1], shader.flakes[2], library);
+  shader.layer =
+      osl::make_layer(given, shader.flakes[0], shader.flakes[1], shader.flakes[2], library);
   return shader;
 }
 
@@ -308,8 +309,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("view under the wave", surface.below, view_below(point));
   const float cos_below = osl::seen_cosine(surface.n, surface.below);
   surface.cos_in = osl::min(osl::eta_cos_refracted(cos_below, layer.eta) / layer.eta, 1.0f);
-  surface.slant =
-      osl::slant_depth_of(shader_layer, library, surface.cos_in, surface.areas);
+  surface.slant = osl::slant_depth_of(shader_layer, library, surface.cos_in, surface.areas);
   same("slant to the observer", surface.slant, slant_depth_of(layer, surface.cos_in));
 
   const SlotView<float> slots = view_slots(scene.lights, point);
@@ -342,8 +342,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
   std::array<osl::FirstFlake, kSpecies> shader_firsts;
   shader_firsts.fill(osl::no_flake());
-  osl::look_close(shader_layer, library, surface, paint.frame, paint.seed,
-                  shader_firsts);
+  osl::look_close(shader_layer, library, surface, paint.frame, paint.seed, shader_firsts);
   for (std::size_t i = 0; i < kSpecies; ++i) {
     const osl::FirstFlake& first = shader_firsts[i];
     same("close", first.close, firsts[i].close);
@@ -357,8 +356,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     visits.covered += first.seen;
   }
   std::array<osl::Cell, kSpecies> cells;
-  osl::find_cells(shader_layer, surface, shader_firsts, paint.frame, paint.seed,
-                  cells);
+  osl::find_cells(shader_layer, surface, shader_firsts, paint.frame, paint.seed, cells);
   for (int i = 0; i < lights; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const int core_leader = slots.leader[static_cast<std::size_t>(slot[at])];
@@ -377,8 +375,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
          group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]));
 
     const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
-    const auto shader_way =
-        osl::pass_between(shader_layer, library, surface, seen[at], 1);
+    const auto shader_way = osl::pass_between(shader_layer, library, surface, seen[at], 1);
     const Passage<float> way = pass_between(layer, point, core_seen);
     same("open", shader_way.open, way.open);
     if (way.open) {
@@ -400,8 +397,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
                 core_all.expected[of]);
       }
       const auto all =
-          osl::sparkle(shader_layer, library, surface, shader_firsts, cells,
-                       shader_way, 1, slot[at], paint.frame, paint.seed, 0, 1, species);
+          osl::sparkle(shader_layer, library, surface, shader_firsts, cells, shader_way, 1,
+                       slot[at], paint.frame, paint.seed, 0, 1, species);
       same("count", all.count, core_all.count[of]);
       visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
       visits.summed += all.count > kDrawnSparkles;
@@ -445,8 +442,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
 
   const auto substrate = static_cast<Rgb<float>>(paint.substrate_color);
-  const auto shader_mixture = osl::mixture(shader_layer, library, surface.areas,
-                                           surface.slant, to_osl(substrate), cos_below);
+  const auto shader_mixture = osl::mixture(shader_layer, library, surface.areas, surface.slant,
+                                           to_osl(substrate), cos_below);
   const Mixture<float> core_mixture = mixture(layer, substrate, cos_below);
   same("diffuse", shader_mixture.diffuse_albedo, core_mixture.diffuse);
   same("glossy", shader_mixture.glossy_albedo, core_mixture.glossy);
@@ -457,8 +454,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
 
   // The stack of all that.
   const Stack<float> stack = make_stack(paint, layer, point, point.normal);
-  const osl::Stack shader_stack = osl::make_stack(given, shader_layer, library,
-                                                  surface, to_osl(point.normal), paint.frame);
+  const osl::Stack shader_stack =
+      osl::make_stack(given, shader_layer, library, surface, to_osl(point.normal), paint.frame);
   same("coat.reflected", shader_stack.coat.reflected, stack.coat.reflected);
   same("coat.rest", shader_stack.coat.rest, stack.coat.rest);
   same("coat_normal", shader_stack.coat_normal, stack.coat_normal);
@@ -500,8 +497,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
   const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
   const bool steep = point.pixel_x % 2 != 0;
-  const auto shader_sample = osl::sample_flake(shader_layer, library, surface,
-                                               shader_firsts, osl::inside_unit(u), w, steep);
+  const auto shader_sample = osl::sample_flake(shader_layer, library, surface, shader_firsts,
+                                               osl::inside_unit(u), w, steep);
   const MirroredSample<float> sample =
       sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data(), steep);
   same("sample's weight", shader_sample.weight, sample.weight);
@@ -534,9 +531,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           const Rgb<float> lobes = smooth_sparkles(layer, parts.data(), point.view,
                                                    slots.seen[static_cast<std::size_t>(slot[at])]);
           same("the lobes' part of sparkles",
-               osl::smooth_sparkles(shader_layer, shader_parts, surface.view,
-                                    seen[at], 1),
-               lobes);
+               osl::smooth_sparkles(shader_layer, shader_parts, surface.view, seen[at], 1), lobes);
           const Rgb<float> some = lobes * 0.5f, around = grey(lobes.x);
           same("what of the lobes may be shown",
                osl::may_show(to_osl(lobes), to_osl(some), to_osl(around)),

@@ -54,10 +54,17 @@ def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
     text = cut("  Flakes second;\n", "  Layer flake_layer = make_layer",
                "  Flakes second = no_such_flakes();\n  Flakes third = second;\n")(text)  # fmt: skip
-    text = replace("third.areal_density > 0.0 ? 3 : (second.areal_density > 0.0 ? 2 : 1)", "1")(text)
-    for more in (" + shared_blocking_of(second, library) +\n", " shared_blocking_of(third, library)"):
+    text = replace("third.areal_density > 0.0 ? 3 : (second.areal_density > 0.0 ? 2 : 1)", "1")(
+        text
+    )
+    for more in (
+        " + shared_blocking_of(second, library) +\n",
+        " shared_blocking_of(third, library)",
+    ):
         text = replace(more, "")(text)
     return text
+
+
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
     text = cut(

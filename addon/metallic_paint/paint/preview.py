@@ -7,7 +7,7 @@ the angle of view: the coat's highlight, a rough reflection of the flakes, and w
 after several turns as a matt ground. Of the sparkles there is a hint: the flakes' reflection is
 brighter or darker from cell to cell of the surface, around the same mean.
 
-Where the shader runs, OSL knows Rendered for 1 and drops the preview.
+Where the shader runs, Cycles drops the preview before it compiles anything.
 """
 
 from __future__ import annotations
@@ -197,13 +197,50 @@ def mix_with(
         places.extend((number // 30 * 180, -1200 - number % 30 * 45))
     group.nodes.foreach_set("location", places)
     _known.clear()
-    mix = group.nodes.new("ShaderNodeMixShader")
-    mix.location = 200, 0
-    mix.inputs[0].default_value = 0  # Cycles without OSL leaves the shader out, with its link
-    sources = script.outputs[RENDERED], previewed, script.outputs[output]
-    for source, target in zip(sources, mix.inputs, strict=True):
-        group.links.new(source, target)
-    return mix.outputs[0]
+    known, runs = group.nodes.new("ShaderNodeMixShader"), group.nodes.new("ShaderNodeMixShader")
+    for mix, factor, otherwise in (
+        (known, _known_to_run(group, script), previewed),
+        (runs, script.outputs[RENDERED], known.outputs[0]),
+    ):
+        mix.inputs[0].default_value = 0  # Cycles without OSL leaves the shader out, with its link
+        for source, target in zip(
+            (factor, otherwise, script.outputs[output]), mix.inputs, strict=True
+        ):
+            group.links.new(source, target)
+    known.location, runs.location = (200, 0), (400, 0)
+    return runs.outputs[0]
+
+
+def _known_to_run(
+    group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript
+) -> bpy.types.NodeSocket:
+    """1 where Cycles knows, before it compiles anything, that the shader runs; else 0.
+
+    So Cycles drops the preview, whose 200 nodes OSL would compile before it finds them unused.
+
+    Cycles takes what is subtracted from itself for 0 without knowing it. Where the shader does not
+    run, Cycles leaves its links out, and the sockets that they end at differ by 1. In EEVEE the
+    shader's outputs are 0, and only there a stroke's place is linked: where 1 stands for Cycles, it
+    has 0.
+    """
+    nothing = group.nodes.new("ShaderNodeMix")
+    nothing.data_type, nothing.blend_type = "RGBA", "SUBTRACT"
+    factor, *values = (each for each in nothing.inputs if each.enabled)
+    factor.default_value = 1
+    for value, default in zip(values, (1.0, 0.0), strict=True):
+        value.default_value = (default, default, default, 1)
+        group.links.new(script.outputs[RENDERED], value)
+    stroke = group.nodes.new("ShaderNodeUVAlongStroke")
+    less = group.nodes.new("ShaderNodeVectorMath")
+    less.operation = "SUBTRACT"
+    less.inputs[0].default_value = (1, 1, 1)
+    group.links.new(stroke.outputs[0], less.inputs[0])
+    group.links.new(next(each for each in nothing.outputs if each.enabled), less.inputs[1])
+    part = group.nodes.new("ShaderNodeSeparateXYZ")
+    group.links.new(less.outputs[0], part.inputs[0])
+    for number, node in enumerate((nothing, stroke, less, part)):
+        node.hide, node.location = True, (number * 180, 300)
+    return part.outputs[0]
 
 
 class _Sockets:
