@@ -633,23 +633,30 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   return {sum, glossy * less, min(returned, max(sum - glossy * less, T(0)))};
 }
 
-// GGX's alpha of the glossy lobe. The lobe is broader than that of single flakes: each mirroring
-// adds its tilt, so alpha^2 goes with the square of a typical tilt times two or three. Half of
-// ggx's square is in its tail. Refraction magnifies alpha^2 by eta^2. alpha^2/(1 - alpha^2) stands
-// for it, so that alpha stays below 1. kStretch and the part of the cosine are fitted to the walk
-// by angle: the mean error in L* is least at 0.39, and 4 % and 1 % more at 0.35 and 0.43. alpha is
-// within a factor of 1.1 of what suits a paint best, 1.4 in 95 % (docs/fits.md).
-inline constexpr double kStretch = 0.39;
+// Roughness alpha of the glossy lobe, alpha^2/(1 - alpha^2) = s. The lobe is broader than that of
+// single flakes: each mirroring adds its tilt, so s goes with the square of a typical tilt times two
+// or three. Half of ggx's square is in its tail. Refraction magnifies s by eta^2. kStretch is fitted
+// to the walk by angle and to finite flakes.
+inline constexpr double kStretch = 1.75;
 // At least as wide as the sun: a mirrored lamp without size would be a speck that samples miss.
 inline constexpr double kLeastRoughness = 0.005;
 template <class T>
-T glossy_roughness(const DiffuseRates<T>& diffuse_light, T eta, T cos_view) {
+T glossy_roughness(const DiffuseRates<T>& diffuse_light, T eta) {
   if (!(diffuse_light.coverage > 0)) return 1;
   const T mirrorings = 2 + diffuse_light.coverage / (1 + diffuse_light.coverage);
-  const T stretch = T(kStretch) * eta * (4 - cos_view);
+  const T stretch = T(kStretch) * eta;
   const T square =
       diffuse_light.turn_sum / diffuse_light.coverage * mirrorings * (stretch * stretch);
   return max(sqrt(square / (1 + square)), T(kLeastRoughness));
+}
+
+// The lobe is cos^n about the mirror image of the view, n = 1/(2 s). What of it is not near there,
+// the share alpha^2, is diffuse: under grazing light a lobe that knows of no surface would show it
+// too bright.
+template <class T>
+T glossy_exponent(T alpha) {
+  const T square = alpha * alpha;
+  return (1 - square) / (2 * square);
 }
 
 // M(v) = diffuse + glossy + returned.
@@ -684,6 +691,8 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
     back = returning(layer, surface, slant_view, cos_in, cos_view);
   }
   Mixture<T> sum;
+  sum.alpha = glossy_roughness(diffuse_light, eta);
+  const T near = 1 - sum.alpha * sum.alpha;
   const auto channel = [&](T Rgb<T>::* c) {
     const T absorption = max(layer.binder_depth.*c - rayleigh, T(0));
     const DiffuseShares<T> diffused =
@@ -691,14 +700,14 @@ Mixture<T> mixture(const Layer<T>& layer, Rgb<T> substrate, T cos_view) {
     const MixtureShares<T> shares =
         mixture_channel(layer, rates, diffuse_light, diffused, back, c, surface, absorption,
                         rayleigh, substrate.*c, cos_in);
-    sum.diffuse.*c = entered * (shares.whole - shares.glossy - shares.returned);
-    sum.glossy.*c = entered * shares.glossy;
+    const T glossy = shares.glossy * near;
+    sum.diffuse.*c = entered * (shares.whole - glossy - shares.returned);
+    sum.glossy.*c = entered * glossy;
     sum.returned.*c = entered * shares.returned;
   };
   channel(&Rgb<T>::x);
   channel(&Rgb<T>::y);
   channel(&Rgb<T>::z);
-  sum.alpha = glossy_roughness(diffuse_light, eta, cos_view);
   sum.exponent = back.exponent;
   sum.above = back.above;
   return sum;

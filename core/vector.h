@@ -53,6 +53,10 @@ Vec3<T> operator*(Vec3<T> a, T s) {
   return {a.x * s, a.y * s, a.z * s};
 }
 template <class T>
+Vec3<T> operator/(Vec3<T> a, Vec3<T> b) {
+  return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+template <class T>
 Vec3<T> operator/(Vec3<T> a, T s) {
   return {a.x / s, a.y / s, a.z / s};
 }

@@ -42,9 +42,10 @@ struct Stack {
   Rgb<T> diffuse{}, glossy{}, returned{};  // albedos of the mixture's lobes, textured
   T alpha = 1;                             // of the glossy one
   T exponent = 1;                          // of the returning one
+  T glossy_exponent = 1;                   // of the glossy one
   Ramp<T> ramp{};                          // of the diffuse one
   T texture = 1;
-  // 1 over the albedo of the facets: what scales the lobes of coat and mixture to reflect all.
+  // 1 over their albedo: what scales the lobes of coat and mixture to reflect all.
   T coat_scale{}, glossy_scale{};
   T returned_scale = 1;  // likewise over the share of the returning lobe above the surface
 };
@@ -87,7 +88,9 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   stack.alpha = scattered.alpha;
   stack.exponent = scattered.exponent;
   stack.returned_scale = 1 / scattered.above;
-  stack.ramp = make_ramp(layer.eta);
+  stack.glossy_exponent = glossy_exponent(scattered.alpha);
+  stack.glossy_scale = 1 / phong_albedo(cos_view, stack.glossy_exponent);
+  stack.ramp = make_ramp(layer);
   // What the sparkles outshine is Lambertian, as published.
   if (paint.composition == Composition::published) {
     stack.diffuse = stack.diffuse + stack.glossy + stack.returned;
@@ -97,9 +100,6 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   if (paint.texture_contrast > 0) {
     stack.texture =
         texture_at(layer, point, static_cast<T>(paint.texture_contrast), paint.frame, paint.seed);
-  }
-  if (max_component(stack.glossy) > 0) {
-    stack.glossy_scale = 1 / facet_lobe_albedo(cos_view, stack.alpha);
   }
   // The sparkles were compared with the highlight of single facets, which are not scaled.
   const T cos_coat = min(dot(stack.coat_normal, point.view), T(1));
@@ -126,9 +126,11 @@ Vec3<T> returning_normal(Vec3<T> normal, Vec3<T> view) {
 // one is Lambertian.
 template <class T>
 Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T> light) {
-  T shape = max(dot(point.normal, light), T(0));
-  if (stack.composition == Composition::exact) shape = ramp_at(stack.ramp, shape);
-  const T lobe = facet_lobe(point.normal, point.view, light, stack.alpha) * stack.glossy_scale;
+  const T cos_light = max(dot(point.normal, light), T(0));
+  Rgb<T> shape = grey(cos_light);
+  if (stack.composition == Composition::exact) shape = ramp_at(stack.ramp, cos_light);
+  const T lobe =
+      phong_lobe(point.normal, point.view, light, stack.glossy_exponent) * stack.glossy_scale;
   const T returned =
       phong_lobe(returning_normal(point.normal, point.view), point.view, light, stack.exponent) *
       stack.returned_scale;

@@ -93,7 +93,8 @@ int is_sound(color x)
   else if (Diagnostic == SHOW_SOUND) \
     Shown = color(all_sound && is_sound(stack.coat.reflected) && is_sound(stack.coat.rest) && is_sound(stack.diffuse) && \
                   is_sound(stack.glossy) && is_sound(stack.alpha) && is_sound(stack.returned) && is_sound(stack.exponent) && \
-                  is_sound(stack.returned_scale)); \
+                  is_sound(stack.returned_scale) && is_sound(stack.glossy_exponent) && \
+                  is_sound(stack.glossy_scale)); \
   else if (Diagnostic == SHOW_DIFFUSE) \
     Shown = stack.diffuse; \
   else if (Diagnostic == SHOW_TEXTURE) \

@@ -551,17 +551,23 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
   return shares;
 }
 
-#define STRETCH 0.39
+#define STRETCH 1.75
 #define LEAST_ROUGHNESS 0.005
 
-float glossy_roughness(DiffuseRates diffuse_light, float eta, float cos_view)
+float glossy_roughness(DiffuseRates diffuse_light, float eta)
 {
   if (!(diffuse_light.coverage > 0.0))
     return 1.0;
   float mirrorings = 2.0 + diffuse_light.coverage / (1.0 + diffuse_light.coverage);
-  float stretch = STRETCH * eta * (4.0 - cos_view);
+  float stretch = STRETCH * eta;
   float square = diffuse_light.turn_sum / diffuse_light.coverage * mirrorings * (stretch * stretch);
   return max(sqrt(square / (1.0 + square)), LEAST_ROUGHNESS);
+}
+
+float glossy_exponent(float alpha)
+{
+  float square = alpha * alpha;
+  return (1.0 - square) / (2.0 * square);
 }
 
 struct Mixture {
@@ -620,6 +626,8 @@ Mixture mixture(Layer layer, float library[], color areas, color slant_view, col
   Returning back = no_returning();
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     back = returning(layer, surface, slant_view, cos_in, cos_view);
+  sum.alpha = glossy_roughness(diffuse_light, eta);
+  float near = 1.0 - sum.alpha * sum.alpha;
   for (int c = 0; c < 3; ++c) {
     DiffuseShares diffused;
     diffused.trapped_out = trapped_out[c];
@@ -630,11 +638,11 @@ Mixture mixture(Layer layer, float library[], color areas, color slant_view, col
     MixtureShares shares =
         mixture_channel(layer, rates, diffuse_light, diffused, back, c, surface, absorption[c], rayleigh, substrate[c],
                         cos_in);
-    sum.diffuse_albedo[c] = entered * (shares.whole - shares.glossy - shares.returned);
-    sum.glossy_albedo[c] = entered * shares.glossy;
+    float glossy = shares.glossy * near;
+    sum.diffuse_albedo[c] = entered * (shares.whole - glossy - shares.returned);
+    sum.glossy_albedo[c] = entered * glossy;
     sum.returned_albedo[c] = entered * shares.returned;
   }
-  sum.alpha = glossy_roughness(diffuse_light, eta, cos_view);
   sum.exponent = back.exponent;
   sum.above = back.above;
   return sum;

@@ -8,6 +8,7 @@
 #include "mixture.h"
 #include "orange_peel.h"
 #include "passage.h"
+#include "phong_lobe.h"
 #include "texture.h"
 
 struct Stack {
@@ -20,6 +21,8 @@ struct Stack {
   color returned;
   float alpha;
   float exponent;
+  float glossy_exponent;
+  float glossy_scale;
   float returned_scale;
   float texture;
 };
@@ -61,6 +64,8 @@ Stack make_stack(Paint given, Layer layer, float library[], SurfacePoint surface
   stack.alpha = scattered.alpha;
   stack.exponent = scattered.exponent;
   stack.returned_scale = 1.0 / scattered.above;
+  stack.glossy_exponent = glossy_exponent(scattered.alpha);
+  stack.glossy_scale = 1.0 / phong_albedo(cos_view, stack.glossy_exponent);
   // What the sparkles outshine is Lambertian, as published.
   if (given.composition == COMPOSITION_PUBLISHED) {
     stack.diffuse = stack.diffuse + stack.glossy + stack.returned;

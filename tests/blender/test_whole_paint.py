@@ -112,9 +112,10 @@ def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
     np.testing.assert_allclose(lightness, wanted, rtol=0, atol=6)
 
 
-@pytest.mark.parametrize("elevation", [60, 20, 9, 4])
+@pytest.mark.parametrize("elevation", [60, 20, 9, 6, 4])
 def test_a_sun_at_any_slant_lights_the_substrate_as_the_core_says(elevation: float) -> None:
-    paint = Paint(flakes_per_mm2=0, binder_ior=1.6)
+    """At 6 degrees on the slope of diffuse_toon; a binder with a colour of its own."""
+    paint = Paint(flakes_per_mm2=0, binder_ior=1.6, binder_absorption_per_mm=(0, 3, 30))
     lamps = (scenes.sun("Sun", elevation, 30, 0),)
     probe = probe_of(dataclasses.replace(PLANE, paint=paint, lamps=lamps, elevation=50))
     needs.fit(probe.scene)
@@ -141,6 +142,26 @@ def test_a_sun_sees_the_substrate_by_the_holes_it_comes_by_as_the_core_says(view
     assert shade["returned"].min() > 1e-3
     wanted = bpy.data.lights["Sun"].energy * shade["radiance"][:, 0]
     np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
+
+
+@pytest.mark.parametrize("view", [(50, 150), (25, 150), (20, 60)])
+def test_a_sun_shines_on_what_flakes_mirror_often_as_the_core_says(view: tuple) -> None:
+    """Over black, beside the highlight, where no single flake sparkles."""
+    paint = Paint(
+        flakes_per_mm2=8000, flake_diameter_um=20, flake_color=(0.95, 0.9, 0.8), tilt=0.1,
+        orientation="gaussian", substrate_color=(0, 0, 0),
+    )  # fmt: skip
+    elevation, azimuth = view
+    lamps = (scenes.sun("Sun", 80 if elevation > 30 else 12, azimuth, 0),)
+    probe = probe_of(dataclasses.replace(PLANE, paint=paint, lamps=lamps, elevation=elevation))
+    needs.fit(probe.scene)
+    probe.set("Sparkle Contrast", 0)
+    picture, geometry = probe.picture(), probe.geometry()
+    smooth = dataclasses.replace(paint, sparkle_contrast=0)
+    shade = core.shade(core_paint(smooth), core_lights(), **geometry.places())
+    assert shade["glossy"].min() > 0.02
+    wanted = bpy.data.lights["Sun"].energy * shade["radiance"][:, 0]
+    np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=3e-4)
 
 
 # --- composition -------------------------------------------------------------------------------

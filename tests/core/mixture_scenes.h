@@ -134,6 +134,19 @@ inline SeenPaint over_black(Random& random, const Paint& paint) {
   return {paint, grey(0.05), slant == 0 ? 0.97 : slant == 1 ? 0.7 : 0.35};
 }
 
+// Of these most of the mixture is the diffuse lobe's.
+inline SeenPaint mostly_diffuse(Random& random) {
+  for (;;) {
+    SeenPaint seen = over_any_substrate(
+        random, random.below(3) == 0 ? library_paint(random) : ordinary_paint(random));
+    const double slants[] = {1, 0.966, 0.707};
+    seen.cos_view = slants[random.below(3)];
+    const Mixture<double> m =
+        mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
+    if (m.diffuse.x > 0.02 && m.diffuse.x > 3 * m.glossy.x) return seen;
+  }
+}
+
 // Of these most of the mixture is the glossy lobe's.
 inline bool is_shiny(const Paint& paint) {
   return paint.rayleigh_per_mm == 0 && paint.tilt < 0.3 && reference::flake_coverage(paint) > 1;
@@ -158,42 +171,36 @@ inline reference::Estimate walked_albedo(const SeenPaint& seen, std::size_t phot
 
 // --- by angle --------------------------------------------------------------------------------
 
-// pi f of GGX microfacets that reflect all they meet (Walter 2007, Smith's G of both directions
-// together), scaled to the albedo 1 as Cycles does; the light is at azimuth pi.
+// pi f of the glossy lobe, scaled to the albedo 1 by an integral of its own; the light is at azimuth
+// pi.
 class GlossyLobe {
  public:
-  GlossyLobe(double cos_light, double alpha) : cos_light_(cos_light), square_(alpha * alpha) {
-    // Over half vectors: cos(theta_h) D dw_h is uniform in u = D's integral from the pole.
+  GlossyLobe(double cos_light, double alpha)
+      : exponent_(glossy_exponent(alpha)),
+        mirrored_(std::sqrt(1 - cos_light * cos_light), 0, cos_light) {
+    // cos^n about the mirror image is uniform in u = its integral from the pole.
     constexpr int kPolar = 120, kAzimuths = 60;
     double sum = 0;
     for (int i = 0; i < kPolar; ++i) {
-      const double u = (i + 0.5) / kPolar;
-      const double cos_half = 1 / std::sqrt(1 + square_ * u / (1 - u));
-      const double sin_half = std::sqrt(1 - cos_half * cos_half);
+      const double cosine = std::pow((i + 0.5) / kPolar, 1 / (exponent_ + 1));
+      const double sine = std::sqrt(1 - cosine * cosine);
       for (int j = 0; j < kAzimuths; ++j) {
         const double phi = 2 * std::numbers::pi * (j + 0.5) / kAzimuths;
-        const double facing =
-            cos_half * cos_light_ - sin_half * sine_of(cos_light_) * std::cos(phi);
-        const double cos_view = 2 * facing * cos_half - cos_light_;
-        if (facing > 0 && cos_view > 0) sum += visible(cos_view) * facing / cos_half;
+        sum += std::max(cosine * cos_light - sine * mirrored_.x * std::cos(phi), 0.0);
       }
     }
-    albedo_ = sum / (kPolar * kAzimuths) / cos_light_;
+    albedo_ = sum / (kPolar * kAzimuths);
   }
 
   double operator()(Vec3<double> view) const {
-    const Vec3<double> half = view + Vec3<double>{-sine_of(cos_light_), 0, cos_light_};
-    const double cos_half = half.z / length(half);
-    const double spread = cos_half * cos_half * (square_ - 1) + 1;
-    return square_ / (spread * spread) * visible(view.z) / (4 * cos_light_ * view.z) / albedo_;
+    const double along = dot(mirrored_, view);
+    return along > 0 ? (exponent_ + 1) / 2 * std::pow(along, exponent_) / albedo_ : 0;
   }
 
  private:
-  static double sine_of(double cosine) { return std::sqrt(1 - cosine * cosine); }
-  double lambda(double c) const { return (std::sqrt(1 + square_ * (1 / (c * c) - 1)) - 1) / 2; }
-  double visible(double cos_view) const { return 1 / (1 + lambda(cos_light_) + lambda(cos_view)); }
-
-  double cos_light_, square_, albedo_ = 1;
+  double exponent_;
+  Vec3<double> mirrored_;
+  double albedo_ = 1;
 };
 
 // CIE 1976 of a reflectance factor.
@@ -231,9 +238,39 @@ inline ByAngle walked_by_angle(const SeenPaint& seen, std::size_t photons, std::
   return factors;
 }
 
-// pi f of the diffuse lobe for the albedo 1.
+// pi f of the diffuse lobe for the albedo 1, in red.
 inline double diffuse_factor(const Ramp<double>& ramp, double cos_light) {
-  return ramp_at(ramp, cos_light) / cos_light;
+  return ramp_at(ramp, cos_light).x / cos_light;
+}
+
+// What the diffuse and the glossy lobe show of lights across the plane of the view, over what the
+// walk does, without single flakes; in red.
+struct Slanted {
+  double shown, walked, single;  // reflectance factors
+  double ratio() const { return shown / walked; }
+};
+
+inline std::vector<Slanted> under_slants(const SeenPaint& seen, const std::vector<double>& degrees,
+                                         std::size_t photons, std::uint64_t seed) {
+  const Mixture<double> m = mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
+  reference::WalkScene scene = walk_scene(seen, photons, seed);
+  for (const double slant : degrees) {
+    const double angle = slant * std::numbers::pi / 180;
+    scene.detectors.push_back({0, std::sin(angle), std::cos(angle)});
+  }
+  const reference::WalkResult walked = reference::walk(scene);
+  const GlossyLobe glossy(seen.cos_view, m.alpha);
+  const Ramp<double> ramp = make_ramp(make_layer<double>(seen.paint));
+  std::vector<Slanted> all;
+  for (std::size_t i = 0; i < degrees.size(); ++i) {
+    const Vec3<double> light = scene.detectors[i];
+    const double shown = m.diffuse.x * diffuse_factor(ramp, light.z) + m.glossy.x * glossy(light);
+    const double whole = std::numbers::pi * walked.brdf[i].total.mean.x;
+    const double single =
+        std::numbers::pi * walked.brdf[i].part[reference::single_flake].mean.x;
+    all.push_back({shown, whole - single, single});
+  }
+  return all;
 }
 
 // Of single flakes and mixture together, the root mean square over the directions; and what it
@@ -246,7 +283,7 @@ inline LightnessError lightness_error(const SeenPaint& seen, const Mixture<doubl
                                       const ByAngle& walked) {
   const std::vector<Vec3<double>> views = directions();
   const GlossyLobe lobe(seen.cos_view, m.alpha);
-  const Ramp<double> ramp = make_ramp(seen.paint.binder_ior);
+  const Ramp<double> ramp = make_ramp(make_layer<double>(seen.paint));
   LightnessError error{};
   for (std::size_t i = 0; i < kDirections; ++i) {
     const double wanted = lightness(walked.whole[i]);

@@ -116,6 +116,7 @@ inline float microfacet(const char*, Triple, Triple, float, float, float, int) {
 #include "osl/footprint.h"
 #include "osl/mixture.h"
 #include "osl/orange_peel.h"
+#include "osl/phong_lobe.h"
 #include "osl/sound.h"
 #include "osl/sparkles.h"
 #include "osl/texture.h"

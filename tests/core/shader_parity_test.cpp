@@ -468,13 +468,17 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("stack's returned", shader_stack.returned, stack.returned);
   same("stack's alpha", shader_stack.alpha, stack.alpha);
   same("stack's exponent", shader_stack.exponent, stack.exponent);
+  same("stack's glossy exponent", shader_stack.glossy_exponent, stack.glossy_exponent);
+  same("glossy_scale", shader_stack.glossy_scale, stack.glossy_scale);
   same("returned_scale", shader_stack.returned_scale, stack.returned_scale);
   same("returning_normal", osl::returning_normal(surface.n, surface.view),
        returning_normal(point.normal, point.view));
   same("texture", shader_stack.texture, stack.texture);
   std::array<osl::color, kRampColours> ramp;
-  osl::make_ramp(shader_layer.eta, ramp);
-  for (std::size_t i = 0; i < ramp.size(); ++i) same("ramp", ramp[i], grey(stack.ramp[i]));
+  osl::color foot;
+  osl::make_ramp(shader_layer, ramp, foot);
+  for (std::size_t i = 0; i < ramp.size(); ++i) same("ramp", ramp[i], stack.ramp.colours[i]);
+  same("ramp's foot", foot, stack.ramp.foot);
 
   const Vec3<float> n = point.normal, v = point.view;
   const auto slope = static_cast<float>(paint.orange_peel);

@@ -77,6 +77,74 @@ TEST(FacetLobe, IsReciprocalAndNeverBelowTheSurface) {
   EXPECT_EQ(facet_lobe(kUp, spherical(1, 0), Vec3<double>{0, 0.6, -0.8}, 0.5), 0);
 }
 
+TEST(PhongLobe, AlbedoIsTheIntegralOfTheLobe) {
+  // cos^n about the mirror image is uniform in u = its integral from the pole; u = w^2 (3 - 2 w)
+  // crowds at both ends.
+  Worst worst;
+  for (double exponent : {0.0, 0.1, 0.4, 1.0, 2.5, 7.0, 20.0, 150.0, 2e3, 1e4}) {
+    for (double cosine : {0.01, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0}) {
+      const Vec3<double> view = seen_at(cosine).view, mirrored{-view.x, 0, view.z};
+      double sum = 0;
+      const int n = 400;
+      for (int i = 0; i < n; ++i) {
+        const double w = (i + 0.5) / n, u = w * w * (3 - 2 * w);
+        const double c = std::pow(u, 1 / (exponent + 1)), s = std::sqrt((1 - c) * (1 + c));
+        const double density = (exponent + 1) / (2 * kPi) * std::pow(c, exponent);
+        for (int j = 0; j < 200; ++j) {
+          const double phi = kPi * (j + 0.5) / 200;
+          // About the mirror image; across it in the plane of the view, and out of that plane.
+          const Vec3<double> light = mirrored * c + Vec3<double>{mirrored.z, 0, -mirrored.x} *
+                                                        (s * std::cos(phi)) +
+                                     Vec3<double>{0, s * std::sin(phi), 0};
+          sum += phong_lobe(kUp, view, light, exponent) / density * 6 * w * (1 - w) / (200 * n);
+        }
+      }
+      worst.see(std::abs(phong_albedo(cosine, exponent) / sum - 1), "exponent", exponent, "cosine",
+                cosine);
+    }
+  }
+  worst.expect_at_most(0.006);
+}
+
+TEST(DiffuseLobe, ReflectsItsAlbedo) {
+  Random random = fresh(33);
+  Worst worst;
+  for (int k = 0; k < 200; ++k) {
+    const auto layer = make_layer<double>(any_paint(random));
+    const Ramp<double> ramp = make_ramp(layer);
+    Rgb<double> sum{};
+    constexpr int n = 7 * 2000;  // Gauss's two points between cosines where nothing bends but once
+    for (int i = 0; i < n; ++i) {
+      for (const double x : kPairNode<double>) sum = sum + ramp_at(ramp, (i + x) / n) * (1.0 / n);
+    }
+    worst.see(max_component(map(sum - grey(1.0), [](double x) { return std::abs(x); })));
+    for (const Rgb<double>& colour : ramp.colours) {
+      EXPECT_GE(std::min({colour.x, colour.y, colour.z}), 0);
+    }
+  }
+  worst.expect_at_most(1e-6);
+}
+
+// Of a clear layer without flakes, where h is c (1 - r): all of the lobe's own error.
+TEST(DiffuseLobe, FollowsTheSurfaceUpToEightySixDegrees) {
+  Worst foot;
+  for (double eta = 1.05; eta <= 2.5; eta += 0.05) {
+    Paint paint;
+    paint.flakes_per_mm2 = 0;
+    paint.binder_ior = eta;
+    const Ramp<double> ramp = make_ramp(make_layer<double>(paint));
+    const auto entering = [&](double c) {
+      return c * fresnel_transmittance(c, eta_cos_refracted(c, eta), eta);
+    };
+    const double last = entering(1) / ramp_at(ramp, 1.0).x;
+    EXPECT_GT(ramp.foot.x, 0) << eta;
+    for (double c = std::cos(86 * kPi / 180); c <= 1; c += 1e-3) {
+      foot.see(std::abs(ramp_at(ramp, c).x * last / entering(c) - 1), "eta", eta, "cosine", c);
+    }
+  }
+  foot.expect_at_most(0.0305);
+}
+
 TEST(WholePaint, EveryPartIsItsOwnFunction) {
   Random random = fresh(31);
   int shone = 0, compared = 0;
@@ -112,9 +180,10 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     const auto found = shade(stack, point, light, sparkles);
     const Vec3<double> direction(light.direction);
     EXPECT_EQ(found.sparkles.x, sparkles.x);
-    const double lobe = facet_lobe(point.normal, point.view, direction, m.alpha) /
-                        facet_lobe_albedo(std::min(dot(point.normal, point.view), 1.0), m.alpha);
-    const double slanted = ramp_at(make_ramp(layer.eta), dot(point.normal, direction));
+    const double gloss = glossy_exponent(m.alpha);
+    const double lobe =
+        phong_lobe(point.normal, point.view, direction, gloss) / phong_albedo(cos_view, gloss);
+    const double slanted = ramp_at(make_ramp(layer), dot(point.normal, direction)).x;
     const double returned =
         phong_lobe(returning_normal(point.normal, point.view), point.view, direction, m.exponent) /
         m.above;

@@ -7,6 +7,7 @@
 //
 //   diffuse_lobe [PAINTS [PHOTONS [SEED]]]
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <random>
@@ -19,7 +20,7 @@ namespace {
 
 using namespace core_tests;
 
-constexpr double kSlants[] = {0, 45, 60, 75, 80, 85};
+const std::vector<double> kSlants = {0, 45, 60, 75, 80, 85};
 
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
@@ -31,10 +32,14 @@ struct Seen {
 };
 
 void tell(const char* lobe, double slant, const Seen& seen) {
-  std::printf("| %s, light at %g degrees | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f |\n", lobe,
-              slant, quantile(seen.ratio, 0.05), quantile(seen.ratio, 0.5),
-              quantile(seen.ratio, 0.95), quantile(seen.lightness, 0.05),
-              quantile(seen.lightness, 0.5), quantile(seen.lightness, 0.95));
+  const auto beyond = std::count_if(seen.ratio.begin(), seen.ratio.end(),
+                                    [](double ratio) { return std::fabs(ratio - 1) > 0.1; });
+  std::printf("| %s, light at %g degrees | %.2f | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f |\n",
+              lobe, slant, quantile(seen.ratio, 0.05), quantile(seen.ratio, 0.5),
+              quantile(seen.ratio, 0.95),
+              static_cast<double>(beyond) / static_cast<double>(seen.ratio.size()),
+              quantile(seen.lightness, 0.05), quantile(seen.lightness, 0.5),
+              quantile(seen.lightness, 0.95));
 }
 
 }  // namespace
@@ -44,41 +49,27 @@ int main(int argc, char** argv) {
   const std::size_t photons = argc > 2 ? std::stoul(argv[2]) : 30'000;
   const std::uint64_t seed = argc > 3 ? std::stoull(argv[3]) : std::random_device{}();
   Random random(seed);
-  constexpr std::size_t kLights = std::size(kSlants);
-  Seen lobe[kLights], lambertian[kLights];
-  for (int found = 0; found < paints;) {
-    SeenPaint seen = over_any_substrate(
-        random, random.below(3) == 0 ? library_paint(random) : ordinary_paint(random));
-    const double slants[] = {1, 0.966, 0.707};
-    seen.cos_view = slants[random.below(3)];
+  std::vector<Seen> lobe(kSlants.size()), lambertian(kSlants.size());
+  for (int found = 0; found < paints; ++found) {
+    const SeenPaint seen = mostly_diffuse(random);
     const Mixture<double> m =
         mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
-    if (!(m.diffuse.x > 0.02 && m.diffuse.x > 3 * m.glossy.x)) continue;
-    ++found;
-    reference::WalkScene scene = walk_scene(seen, photons, random.bits());
-    for (const double slant : kSlants) {
-      const double angle = slant * std::numbers::pi / 180;
-      scene.detectors.push_back({0, std::sin(angle), std::cos(angle)});
-    }
-    const reference::WalkResult walked = reference::walk(scene);
-    const GlossyLobe glossy(seen.cos_view, m.alpha);
-    const Ramp<double> ramp = make_ramp(seen.paint.binder_ior);
-    for (std::size_t i = 0; i < kLights; ++i) {
-      const auto& brdf = walked.brdf[i];
-      const double whole = std::numbers::pi * brdf.total.mean.x;
-      const double single = std::numbers::pi * brdf.part[reference::single_flake].mean.x;
-      const auto see = [&](Seen& to, double slanted) {
-        const double shown = m.diffuse.x * slanted + m.glossy.x * glossy(scene.detectors[i]);
-        to.ratio.push_back(shown / (whole - single));
-        to.lightness.push_back(lightness(single + shown) - lightness(whole));
+    const Ramp<double> ramp = make_ramp(make_layer<double>(seen.paint));
+    const std::vector<Slanted> all = under_slants(seen, kSlants, photons, random.bits());
+    for (std::size_t i = 0; i < kSlants.size(); ++i) {
+      const auto& [shown, walked, single] = all[i];
+      const auto see = [&](Seen& to, double more) {
+        to.ratio.push_back((shown + more) / walked);
+        to.lightness.push_back(lightness(single + shown + more) - lightness(single + walked));
       };
-      see(lobe[i], diffuse_factor(ramp, scene.detectors[i].z));
-      see(lambertian[i], 1);
+      const double slanted = diffuse_factor(ramp, std::cos(kSlants[i] * std::numbers::pi / 180));
+      see(lobe[i], 0);
+      see(lambertian[i], m.diffuse.x * (1 - slanted));
     }
   }
   std::printf("Seed %llu, %d paints.\n\n", static_cast<unsigned long long>(seed), paints);
-  std::printf("| | 5 %% | median | 95 %% | L*, 5 %% | median | 95 %% |\n");
-  std::printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-  for (std::size_t i = 0; i < kLights; ++i) tell("this lobe", kSlants[i], lobe[i]);
-  for (std::size_t i = 0; i < kLights; ++i) tell("a Lambertian one", kSlants[i], lambertian[i]);
+  std::printf("| | 5 %% | median | 95 %% | off by 0.1 | L*, 5 %% | median | 95 %% |\n");
+  std::printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+  for (std::size_t i = 0; i < kSlants.size(); ++i) tell("this lobe", kSlants[i], lobe[i]);
+  for (std::size_t i = 0; i < kSlants.size(); ++i) tell("a Lambertian one", kSlants[i], lambertian[i]);
 }

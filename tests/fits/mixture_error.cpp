@@ -280,19 +280,28 @@ void compare_furnace(const Kind& kind, const std::vector<Walked>& all) {
        rarely_passed(worst_of_seed));
 }
 
+// As if the glossy lobe had another alpha: what of it is diffuse goes with its square.
+Mixture<double> with_alpha(Mixture<double> m, double alpha) {
+  const Rgb<double> glossy = m.glossy * ((1 - alpha * alpha) / (1 - m.alpha * m.alpha));
+  m.diffuse = m.diffuse + m.glossy - glossy;
+  m.glossy = glossy;
+  m.alpha = alpha;
+  return m;
+}
+
 // As if kStretch were so many times what it is.
-Mixture<double> stretched(Mixture<double> m, double times) {
+Mixture<double> stretched(const Mixture<double>& m, double times) {
   const double square = m.alpha * m.alpha;
   const double scaled = square / (1 - square) * times * times;
-  m.alpha = std::max(std::sqrt(scaled / (1 + scaled)), kLeastRoughness);
-  return m;
+  return with_alpha(m, std::max(std::sqrt(scaled / (1 + scaled)), kLeastRoughness));
 }
 
 void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
   std::vector<double> two_lobes, diffuse, best, ratio, shiny, grazing;
   std::map<double, std::vector<double>> of_stretch;
   for (const auto& [seen, walked] : all) {
-    Mixture<double> m = mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
+    const Mixture<double> m =
+        mixture(make_layer<double>(seen.paint), seen.substrate, seen.cos_view);
     const auto error = [&](const Mixture<double>& other) {
       return lightness_error(seen, other, walked);
     };
@@ -303,7 +312,7 @@ void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
     }
     // What the lobes show of light 15 degrees above the surface, of what the walk does.
     const GlossyLobe lobe(seen.cos_view, m.alpha);
-    const Ramp<double> ramp = make_ramp(seen.paint.binder_ior);
+    const Ramp<double> ramp = make_ramp(make_layer<double>(seen.paint));
     const std::vector<Vec3<double>> lights = directions();
     for (std::size_t i : {std::size_t{0}, kDirections - std::size_t{1}}) {
       const double mixed = walked.whole[i] - walked.single[i];
@@ -319,8 +328,7 @@ void compare_lightness(const std::vector<std::pair<SeenPaint, ByAngle>>& all) {
     const double alpha = m.alpha;
     double least = two_lobes.back(), at = alpha;
     for (double other = 0.02; other < 1; other *= 1.1) {
-      m.alpha = other;
-      const double found = error(m).two_lobes;
+      const double found = error(with_alpha(m, other)).two_lobes;
       if (found < least) {
         least = found;
         at = other;

@@ -49,6 +49,7 @@ ONLY_CORE = {
     **dict.fromkeys(("view_below", "under_orange_peel"), "the shader's main fills its surface"),
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
     "ramp_at": "a closure",
+    "phong_lobe": "a closure",
     **dict.fromkeys(("reflectance", "flake_albedo", "directional_albedo"), "likewise"),
     "each_choice": "words, for error messages",
     "each_flake_parameter": "for checks and bindings",
@@ -68,7 +69,6 @@ HEADERS_ONLY_CORE = {
     "noise.h": "OSL has noise",
     "light_slots.h": "the shader's main, which has its lights as inputs",
     "facet_lobe.h": "a closure of Cycles",
-    "phong_lobe.h": "a closure of Cycles",
     "flake_brdf.h": "the mean of flake_lobe.h, which a renderer draws",
 }
 
