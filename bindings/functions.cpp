@@ -266,8 +266,8 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
 
 substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1; cos_view (...): cosines of the
 view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of the diffuse lobe,
-of substrate and pigment; glossy (..., 3), that of a lobe of GGX microfacets scaled to reflect all,
-of several flakes; returned (..., 3), that of a lobe about the view, of what leaves by the hole among
-the flakes that it came in by; alpha (...), the roughness of the glossy lobe; exponent (...) of the
-returning one, and above (...), its share above the surface.)doc");
+of substrate and pigment; glossy (..., 3), that of a lobe about the mirror direction, of several
+flakes; returned (..., 3), that of a lobe about the view, of what leaves by the hole among
+the flakes that it came in by; alpha (...), the roughness of the glossy lobe, which is cos^n with n =
+(1/alpha^2 - 1)/2; exponent (...) of the returning one, and above (...), its share above the surface.)doc");
 }

@@ -21,10 +21,10 @@ T phong_lobe(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T exponent) {
   return (exponent + 2) / (2 * std::numbers::pi_v<T>)*cos_light * std::pow(along, exponent);
 }
 
-// The integral of phong_lobe over the lights: what it reflects of a white world. Were nothing of the
-// lobe below the surface, it would be the view's cosine c. At c = 0 half of it is, and the integral
-// is I/pi, I that of cos^n over [0, pi/2]; its square is pi/(2 n + 1 + ...), within 0.2 %. In
-// between what is added falls off as that of a Gaussian does. Error 0.6 % at most, for exponents
+// The integral of phong_lobe over the lights: what it reflects of a white world. Were nothing of
+// the lobe below the surface, it would be the view's cosine c. At c = 0 half of it is, and the
+// integral is I/pi, I that of cos^n over [0, pi/2]; its square is pi/(2 n + 1 + ...), within 0.2 %.
+// In between what is added falls off as that of a Gaussian does. Error 0.6 % at most, for exponents
 // from 0 to 1e4 (tests/core/whole_paint_test.cpp).
 template <class T>
 T phong_albedo(T cos_view, T exponent) {

@@ -171,8 +171,8 @@ inline reference::Estimate walked_albedo(const SeenPaint& seen, std::size_t phot
 
 // --- by angle --------------------------------------------------------------------------------
 
-// pi f of the glossy lobe, scaled to the albedo 1 by an integral of its own; the light is at azimuth
-// pi.
+// pi f of the glossy lobe, scaled to the albedo 1 by an integral of its own; the light is at
+// azimuth pi.
 class GlossyLobe {
  public:
   GlossyLobe(double cos_light, double alpha)
@@ -266,8 +266,7 @@ inline std::vector<Slanted> under_slants(const SeenPaint& seen, const std::vecto
     const Vec3<double> light = scene.detectors[i];
     const double shown = m.diffuse.x * diffuse_factor(ramp, light.z) + m.glossy.x * glossy(light);
     const double whole = std::numbers::pi * walked.brdf[i].total.mean.x;
-    const double single =
-        std::numbers::pi * walked.brdf[i].part[reference::single_flake].mean.x;
+    const double single = std::numbers::pi * walked.brdf[i].part[reference::single_flake].mean.x;
     all.push_back({shown, whole - single, single});
   }
   return all;

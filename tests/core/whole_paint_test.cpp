@@ -93,9 +93,9 @@ TEST(PhongLobe, AlbedoIsTheIntegralOfTheLobe) {
         for (int j = 0; j < 200; ++j) {
           const double phi = kPi * (j + 0.5) / 200;
           // About the mirror image; across it in the plane of the view, and out of that plane.
-          const Vec3<double> light = mirrored * c + Vec3<double>{mirrored.z, 0, -mirrored.x} *
-                                                        (s * std::cos(phi)) +
-                                     Vec3<double>{0, s * std::sin(phi), 0};
+          const Vec3<double> light =
+              mirrored * c + Vec3<double>{mirrored.z, 0, -mirrored.x} * (s * std::cos(phi)) +
+              Vec3<double>{0, s * std::sin(phi), 0};
           sum += phong_lobe(kUp, view, light, exponent) / density * 6 * w * (1 - w) / (200 * n);
         }
       }

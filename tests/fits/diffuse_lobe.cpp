@@ -71,5 +71,6 @@ int main(int argc, char** argv) {
   std::printf("| | 5 %% | median | 95 %% | off by 0.1 | L*, 5 %% | median | 95 %% |\n");
   std::printf("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
   for (std::size_t i = 0; i < kSlants.size(); ++i) tell("this lobe", kSlants[i], lobe[i]);
-  for (std::size_t i = 0; i < kSlants.size(); ++i) tell("a Lambertian one", kSlants[i], lambertian[i]);
+  for (std::size_t i = 0; i < kSlants.size(); ++i)
+    tell("a Lambertian one", kSlants[i], lambertian[i]);
 }

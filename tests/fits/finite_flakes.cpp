@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the whole paint errs beside finite flakes with all mirrorings (core/reference/disc_walk.h):
-// flakes in their mean, diffuse and glossy lobe, without the surface's own highlight. Fresh paints
-// of one or two species, light at 45 degrees and grazing; green.
+// flakes in their mean and the lobes of the mixture, without the surface's own highlight. Fresh
+// paints of one or two species, light at 45 degrees and grazing; green.
 //
 //   finite_flakes [PAINTS [PHOTONS [SEED]]]; some seconds of a core for each paint
 #include <algorithm>

@@ -84,7 +84,8 @@ Model correlated.
 ## The diffuse lobe
 
 `tests/fits/diffuse_lobe.cpp`: `core/diffuse_lobe.h`. The mixture under light at each angle over the
-random walk's, for paints whose mixture is mostly this lobe; and the error of the whole in L*.
+random walk's, for paints whose mixture is mostly this lobe; the share of paints where that is off
+1 by more than 0.1; and the error of the whole in L*.
 
 {diffuse}
 
@@ -110,10 +111,16 @@ L* of a white light. Single: the error of single flakes over the whole. Rest: th
 the model and of the random walk. What is traced worse than 4 % (noise) is left out.
 
 On the light's side the substrate is seen through the holes that its light comes by, which the walk
-does not know. Where light grazes, the walk is right and the diffuse lobe's shape errs: a ramp of
-eight colours in the cosine (core/diffuse_lobe.h).
+does not know; nor does the mixture for what pigment scatters back, where it is worst.
 
 {finite}
+
+## Reciprocity
+
+`tests/fits/reciprocity.cpp`: light and view change places. The mixture's albedos depend on the view
+alone and the shapes of its lobes on the light, so it is not reciprocal; flakes in their mean are.
+
+{reciprocity}
 """
 
 
@@ -132,6 +139,7 @@ def build() -> None:
         "lobe_spread",
         "diffuse_lobe",
         "finite_flakes",
+        "reciprocity",
         "returning_fit",
     ):
         tell(f"building {program}")
@@ -182,6 +190,7 @@ def page(walks: Path) -> str:
         returning=run(PROGRAMS / "returning_fit"),
         lobe=run(PROGRAMS / "lobe_spread"),
         finite=run(PROGRAMS / "finite_flakes"),
+        reciprocity=run(PROGRAMS / "reciprocity"),
     )
 
 
