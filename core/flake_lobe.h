@@ -37,6 +37,9 @@ T inside_unit(T x) {
 // is off by 1.4 % at most, 0.5 % in 95 % (24 paints under round lamps of 0.1 to 0.5 rad;
 // tests/fits/lobe_spread.cpp). Twice that deviation has a quarter less noise, twice the error.
 inline constexpr double kWideShare = 0.15;
+// Beside a smooth part (smooth_part.h): what that leaves bends more than f does. Most lamps' light
+// moves by 0.5 % at most, that of one in GGX's tail by 1 %; by the whole share twice as much.
+inline constexpr double kWideShareBeside = 0.075;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view.
 inline constexpr double kWidestDeviation = 0.2;
 inline constexpr double kToHorizon = 0.1;
@@ -79,8 +82,7 @@ T steeper(const OrientationDensity<T>& density, T u) {
 // the tilt: under the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
 // Of a species that is seen close up the flake is the one that the sample sees (`firsts`, one for
 // each species), or none; drawn with the probability of its species' share of the covered area.
-// Beside a smooth part (smooth_part.h), which leaves little of the others, `steep` flakes are drawn
-// more often. u and w are uniform deviates in (0, 1). Blender has the same mean but not the same
+// Beside a smooth part, which leaves little of the others, `steep` flakes are drawn more often. u and w are uniform deviates in (0, 1). Blender has the same mean but not the same
 // bits: OSL's own sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w,
@@ -159,8 +161,9 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
                      (8 * std::numbers::pi_v<T> * cos_alpha * eta * g_light * layer.coverage);
     const T turned = 2 * eta * cos_view_in;
     const T most = min(T(kWidestDeviation), T(kToHorizon) * cos_view);
+    const T wide = steep ? T(kWideShareBeside) : T(kWideShare);
     sample.variance =
-        min(T(kWideShare) * turned * turned * core_variance(flakes.orientation), most * most);
+        min(wide * turned * turned * core_variance(flakes.orientation), most * most);
     const T slope = orientation_slope(flakes.orientation, tilt.sin2_half_beta);
     const Vec3<T> pull = (normal - m * (1 - 2 * tilt.sin2_half_beta)) * (slope / (2 * facing));
     const Vec3<T> gradient = (pull - l * (dot(pull, normal) / along)) / eta +
@@ -178,6 +181,10 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
 // What it shows beside the smooth part of its species. A small share of it, or less than nothing,
 // is given to that lobe instead: all light together stays.
 inline constexpr double kGivenToLobe = 0.05;
+// So many flakes a sample then, each of this part of the weight, their deviates a third apart: a
+// lamp that one cone misses is in another. A fourth takes its time and no noise from balls under
+// softboxes.
+inline constexpr int kFlakesBeside = 3;
 
 template <class T>
 struct Beside {

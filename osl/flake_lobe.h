@@ -9,11 +9,13 @@
 #include "smooth_part.h"
 
 #define WIDE_SHARE 0.15
+#define WIDE_SHARE_BESIDE 0.075
 #define WIDEST_DEVIATION 0.2
 #define TO_HORIZON 0.1
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 #define GIVEN_TO_LOBE 0.05
+#define FLAKES_BESIDE 3
 
 struct MirroredSample {
   vector direction;
@@ -149,7 +151,8 @@ MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
     mirrored.density = p * cos_light * some.coverage / (8.0 * M_PI * cos_alpha * eta * g_light * layer.coverage);
     float turned = 2.0 * eta * cos_view_in;
     float most = min(WIDEST_DEVIATION, TO_HORIZON * cos_view);
-    mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
+    float wide = steep ? WIDE_SHARE_BESIDE : WIDE_SHARE;
+    mirrored.variance = min(wide * turned * turned * core_variance(some.orientation), most * most);
     float slope = orientation_slope(some.orientation, h);
     vector pull = (n - m * (1.0 - 2.0 * h)) * (slope / (2.0 * facing));
     vector gradient = (pull - l * (inner_product(pull, n) / along)) / eta +

@@ -13,7 +13,7 @@
 #define HEIGHT 0.98
 #define HEIGHT_ASIDE 1.078
 #define LEAST_SMOOTH 0.2
-#define LEAST_RISE 0.3
+#define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
 
 struct SmoothPart {

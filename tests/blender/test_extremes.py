@@ -225,7 +225,7 @@ def test_every_paint_is_sound(subtests: pytest.Subtests) -> None:
                 geometry = many.of(i)
                 assert geometry.hit.sum() > SIZE**2 / 2, "the paint is in the picture"
                 check(shown, dataclasses.replace(paint, seed=seed), geometry)
-    lights.show_other_light(True, of_lamps=True)
+    lights.show_other_light(True, uneven=True)
     shown = Shown.by(many.probe, counts=False, radiances=False)
     for i, (name, paint) in enumerate(paints.items()):
         with subtests.test(name, lobe="smooth"):

@@ -420,7 +420,7 @@ def test_a_smooth_lobe_beside_random_flakes_keeps_the_light_under_a_world(k: int
     add_world(1.0)
     lights.show_other_light(True)
     expected, error = mean_of(probe.picture())
-    lights.show_other_light(True, of_lamps=True)
+    lights.show_other_light(True, uneven=True)
     # Where a lobe shows light that no flake is likely to, nothing takes it back: up to 0.6 % of the
     # paint was seen, where tilts are above 0.3.
     expect_equal(probe.picture(), expected, bias=0.01 * expected + STANDARD_ERRORS * error)

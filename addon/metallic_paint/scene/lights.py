@@ -213,11 +213,11 @@ def why_not(light: bpy.types.Object) -> str:
     return ""
 
 
-def show_other_light(needed: bool, of_lamps: bool = False) -> None:
+def show_other_light(needed: bool, uneven: bool = False) -> None:
     """Whether the flakes show light from elsewhere than the slots, in a new file they do; and
-    whether some of it comes from lamps, which random flakes alone show with much noise."""
+    whether it comes from some sides more, as of lamps, which random flakes show with much noise."""
     group = node_group()
-    _set(group, OTHER_LIGHT, 2.0 if needed and of_lamps else float(needed))
+    _set(group, OTHER_LIGHT, 2.0 if needed and uneven else float(needed))
     _tell_scenes(group)
 
 

@@ -92,7 +92,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
         other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
         of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(things)
-        lights.show_other_light(bool(needs.other_light), of_lamps)
+        lights.show_other_light(bool(needs.other_light), of_lamps or _world_may_be_uneven(scene))
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -152,7 +152,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
-        _world_may_shine(scene), _draws_every_frame(),
+        _world_may_shine(scene), _world_may_be_uneven(scene), _draws_every_frame(),
     ]  # fmt: skip
     seen += [
         (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
@@ -271,6 +271,20 @@ def _world_may_shine(scene: bpy.types.Scene) -> bool:
         return True
     links = out.inputs["Surface"].links
     return any(_may_shine(link.from_node, "Color", "Strength") for link in links)
+
+
+def _world_may_be_uneven(scene: bpy.types.Scene) -> bool:
+    """Whether it shines more from one side than from another, as a room or a sky does."""
+    world = scene.world
+    tree = world.node_tree if world else None
+    if tree is None or not _world_may_shine(scene):
+        return False
+    out = tree.get_output_node("CYCLES")
+    links = out.inputs["Surface"].links if out else ()
+    return any(
+        link.from_node.type != "BACKGROUND" or any(socket.is_linked for socket in link.from_node.inputs)
+        for link in links
+    )
 
 
 def _may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
