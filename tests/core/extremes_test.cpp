@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "composition.h"
+#include "diffuse_lobe.h"
 #include "flake_brdf.h"
 #include "flake_lobe.h"
 #include "mixture.h"
+#include "phong_lobe.h"
 #include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
@@ -69,6 +71,9 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   const Rgb<T> brdf =
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
   const auto lobe = sample_flake(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), T(0.7), T(0.3));
+  const Ramp<T> ramp = make_ramp(layer);
+  const T glossy =
+      phong_albedo(seen_cosine(point.normal, point.view), glossy_exponent(scattered.alpha));
   const int raised = std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
   const char* type = sizeof(T) == 4 ? "float" : "double";
   ASSERT_EQ(raised, 0) << type << " floating-point exceptions " << raised << ' ' << scene;
@@ -93,6 +98,11 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   ASSERT_LE(max_component(scattered.diffuse + scattered.glossy + scattered.returned), T(1))
       << type << ' ' << scene;
   ASSERT_TRUE(scattered.alpha > 0 && scattered.alpha <= 1) << type << ' ' << scattered.alpha;
+  for (const Rgb<T>& colour : ramp.colours) {
+    ASSERT_TRUE(sound(colour)) << type << ' ' << colour.x << ' ' << scene;
+  }
+  ASSERT_TRUE(sound(ramp.foot)) << type << ' ' << ramp.foot.x << ' ' << scene;
+  ASSERT_TRUE(sound(glossy) && glossy > 0) << type << ' ' << glossy << ' ' << scene;
   ASSERT_TRUE(sound(shine)) << type << " highlight " << shine << ' ' << scene;
   ASSERT_TRUE(sound(lobe.weight)) << type << " lobe " << lobe.weight.x << ' ' << scene;
   ASSERT_TRUE(sound(brdf)) << type << ' ' << brdf.x << ' ' << scene;
