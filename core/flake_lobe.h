@@ -82,8 +82,9 @@ T steeper(const OrientationDensity<T>& density, T u) {
 // the tilt: under the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
 // Of a species that is seen close up the flake is the one that the sample sees (`firsts`, one for
 // each species), or none; drawn with the probability of its species' share of the covered area.
-// Beside a smooth part, which leaves little of the others, `steep` flakes are drawn more often. u and w are uniform deviates in (0, 1). Blender has the same mean but not the same
-// bits: OSL's own sin and cos place the azimuth.
+// Beside a smooth part, which leaves little of the others, `steep` flakes are drawn more often. u
+// and w are uniform deviates in (0, 1). Blender has the same mean but not the same bits: OSL's own
+// sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w,
                                const FirstFlake<T>* firsts = nullptr, bool steep = false) {
@@ -162,8 +163,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     const T turned = 2 * eta * cos_view_in;
     const T most = min(T(kWidestDeviation), T(kToHorizon) * cos_view);
     const T wide = steep ? T(kWideShareBeside) : T(kWideShare);
-    sample.variance =
-        min(wide * turned * turned * core_variance(flakes.orientation), most * most);
+    sample.variance = min(wide * turned * turned * core_variance(flakes.orientation), most * most);
     const T slope = orientation_slope(flakes.orientation, tilt.sin2_half_beta);
     const Vec3<T> pull = (normal - m * (1 - 2 * tilt.sin2_half_beta)) * (slope / (2 * facing));
     const Vec3<T> gradient = (pull - l * (dot(pull, normal) / along)) / eta +

@@ -104,8 +104,8 @@ SmoothPart<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
 // (tests/core/smooth_part_test.cpp).
 inline constexpr double kHeight = 0.98, kHeightAside = 1.078;
 // Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of
-// the mirrored light an alpha aside. Of 2,400 random paints the lobe passed f by 4 % of its light at
-// most; with 0.15 by up to 26 %.
+// the mirrored light an alpha aside. Of 2,400 random paints the lobe passed f by 4 % of its light
+// at most; with 0.15 by up to 26 %.
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
 
 template <class T>

@@ -282,7 +282,8 @@ def _world_may_be_uneven(scene: bpy.types.Scene) -> bool:
     out = tree.get_output_node("CYCLES")
     links = out.inputs["Surface"].links if out else ()
     return any(
-        link.from_node.type != "BACKGROUND" or any(socket.is_linked for socket in link.from_node.inputs)
+        link.from_node.type != "BACKGROUND"
+        or any(socket.is_linked for socket in link.from_node.inputs)
         for link in links
     )
 
