@@ -12,6 +12,9 @@
 
 #define HEIGHT 0.98
 #define HEIGHT_ASIDE 1.078
+#define LOWER 0.13
+#define LOWER_FROM 0.15
+#define LOWER_RANGE 0.1
 #define LEAST_SMOOTH 0.2
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
@@ -89,6 +92,14 @@ SmoothPart no_part(vector n)
   return facets_at(n, vector(0.0), 0.0, 0.0, 0.0);
 }
 
+float lobe_height(OrientationDensity density)
+{
+  float wide = clamp((density.tilt - LOWER_FROM) / LOWER_RANGE, 0.0, 1.0);
+  if (density.kind == ORIENTATION_GGX)
+    wide = 1.0;
+  return 1.0 - LOWER * wide;
+}
+
 SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint surface)
 {
   vector n = surface.n;
@@ -150,10 +161,11 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   part = facets_at(n, towards, slope, x2, y2);
 
   color weight = color(1e30);
+  float highest = lobe_height(some.orientation);
   for (int i = 0; i < 4; ++i) {
     float facets = facets_show(part, view, light[i]);
     if (facets > 0.0 && max(max(shown[i][0], shown[i][1]), shown[i][2]) > 0.0)
-      weight = min(weight, shown[i] * ((i == 0 ? HEIGHT : HEIGHT_ASIDE) / facets));
+      weight = min(weight, shown[i] * (highest * (i == 0 ? HEIGHT : HEIGHT_ASIDE) / facets));
   }
   if (weight[0] < 1e30)
     part.weight = weight;
