@@ -16,6 +16,8 @@ from scenery import add_lamp
 
 PIXELS, HALF = 96, 8  # of the picture, and of the region about the glint
 SAMPLES, SHOTS, CONVERGED = 16, 8, 2048
+# Principled's light has a long tail: the deviation of eight of its shots is often half the truth.
+PLAIN_SHOTS = 40
 
 
 def ball() -> None:
@@ -68,10 +70,10 @@ def look_at_glint(thing: bpy.types.Object) -> None:
     render.border_min_y, render.border_max_y = (y - HALF + 0.5) / PIXELS, (y + HALF + 0.5) / PIXELS
 
 
-def shots(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def shots(random: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The converged region, and several of few samples."""
     scene, found = bpy.context.scene, []
-    for samples in (CONVERGED, *(SHOTS * [SAMPLES])):
+    for samples in (CONVERGED, *(count * [SAMPLES])):
         scene.cycles.samples = samples
         scene.cycles.seed = int(random.integers(2**31))
         found.append(verify.render(scene).mean(axis=-1))
@@ -100,9 +102,9 @@ def test_few_samples_find_the_suns_image(body: object) -> None:
     random = seeds.fresh(660)
     thing = stage(body)
     look_at_glint(thing)
-    converged, few = shots(random)
+    converged, few = shots(random, SHOTS)
     thing.data.materials[0] = principled()
-    plain, others = shots(random)
+    plain, others = shots(random, PLAIN_SHOTS)
     sure = others.sum(axis=(1, 2)).std(ddof=1) / plain.sum()
     off = few.sum(axis=(1, 2)) / converged.sum() - 1
     assert np.abs(off).max() <= max(0.01, 3 * sure)
