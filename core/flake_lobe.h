@@ -37,8 +37,9 @@ T inside_unit(T x) {
 // is off by 1.4 % at most, 0.5 % in 95 % (24 paints under round lamps of 0.1 to 0.5 rad;
 // tests/fits/lobe_spread.cpp). Twice that deviation has a quarter less noise, twice the error.
 inline constexpr double kWideShare = 0.15;
-// Beside a smooth part (smooth_part.h): what that leaves bends more than f does. Most lamps' light
-// moves by 0.5 % at most, that of one in GGX's tail by 1 %; by the whole share twice as much.
+// Beside a smooth part (smooth_part.h): what that leaves bends more than f does. A lamp's light
+// moves by 0.7 % at most where the flakes show 0.4 % or more of it, of 40 paints; by 3 % in the far
+// tail, where they show a tenth of a percent; by the whole share twice as much.
 inline constexpr double kWideShareBeside = 0.075;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view.
 inline constexpr double kWidestDeviation = 0.2;

@@ -149,6 +149,17 @@ def test_a_world_fed_by_nodes_may_shine(ball: object, input_name: str) -> None:
     assert other() == ("the world",)
 
 
+def test_under_a_world_that_may_be_uneven_a_lobe_calms_the_flakes(ball: object) -> None:
+    tree = new_world(Color=GREY, Strength=1).node_tree
+    fit()
+    assert socket() == 1
+    image = tree.nodes.new("ShaderNodeTexEnvironment")
+    tree.links.new(image.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    assert not needs.is_fitted(bpy.context.scene)
+    fit()
+    assert socket() == 2
+
+
 def test_an_animated_world_may_shine(ball: object) -> None:
     background = new_world(Color=GREY, Strength=0).node_tree.nodes["Background"]
     background.inputs["Strength"].keyframe_insert("default_value", frame=1)
