@@ -329,7 +329,7 @@ DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
   return rates;
 }
 
-DiffuseRates of_both(DiffuseRates a, DiffuseRates b)
+DiffuseRates add_diffuse(DiffuseRates a, DiffuseRates b)
 {
   DiffuseRates sum;
   sum.coverage = a.coverage + b.coverage;
@@ -603,9 +603,9 @@ Mixture mixture(Layer layer, float library[], color areas, color slant_view, col
   float cos_in = clamp(g / eta, LEAST_COSINE, 1.0);
   DiffuseSurface surface = diffuse_surface(eta);
   // Diffuse light depends on the paint alone: no loop, and what is set once, so that OSL folds it.
-  DiffuseRates diffuse_light = of_both(of_both(diffuse_rates(layer.first, library, surface),
-                                               diffuse_rates(layer.second, library, surface)),
-                                       diffuse_rates(layer.third, library, surface));
+  DiffuseRates diffuse_light = add_diffuse(add_diffuse(diffuse_rates(layer.first, library, surface),
+                                                       diffuse_rates(layer.second, library, surface)),
+                                           diffuse_rates(layer.third, library, surface));
   FlakeRates rates = no_flakes();
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, i);
