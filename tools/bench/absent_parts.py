@@ -52,11 +52,9 @@ def replace(old: str, new: str) -> Text:
 
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
-    text = cut("  Flakes second;\n", "  Layer flake_layer = make_layer",
+    text = cut("  Flakes second;\n  if (Second", "  Layer flake_layer = make_layer",
                "  Flakes second = no_such_flakes();\n  Flakes third = second;\n")(text)  # fmt: skip
-    text = replace("third.areal_density > 0.0 ? 3 : (second.areal_density > 0.0 ? 2 : 1)", "1")(
-        text
-    )
+    text = cut("  if (second.areal_density > 0.0)\n    layer", "  layer.first = first;")(text)
     for more in (
         " + shared_blocking_of(second, library) +\n",
         " shared_blocking_of(third, library)",
