@@ -70,6 +70,35 @@ T facets_show(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
          (std::numbers::pi_v<T> * area * cos2 * cos2 * masked * 4 * view_z);
 }
 
+// How ln facets_show falls about a light, its masking left out. With x and y the slope of the half
+// vector over alpha, it is -(x^2 + y^2) - 4 ln cos(h).
+template <class T>
+struct FacetsFall {
+  Vec3<T> gradient;  // over the direction of the light
+  Vec3<T> x, y;      // the gradients of x and y
+};
+
+template <class T>
+FacetsFall<T> facets_fall(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
+  const Vec3<T> across = cross(part.normal, part.along);
+  const Vec3<T> half = view + light;
+  const T half_z = dot(half, part.normal);
+  const T x = dot(half, part.along) / half_z, y = dot(half, across) / half_z;
+  FacetsFall<T> fall;
+  fall.x = (part.along - part.normal * x) / (part.alpha_x * half_z);
+  fall.y = (across - part.normal * y) / (part.alpha_y * half_z);
+  fall.gradient = half * (4 / dot(half, half)) - part.normal * (4 / half_z) -
+                  fall.x * (2 * x / part.alpha_x) - fall.y * (2 * y / part.alpha_y);
+  return fall;
+}
+
+// The second derivative along the unit tangent.
+template <class T>
+T bend_along(const FacetsFall<T>& fall, Vec3<T> tangent) {
+  const T x = dot(fall.x, tangent), y = dot(fall.y, tangent);
+  return -2 * (x * x + y * y);
+}
+
 // f cos(theta') of one species (flake_brdf.h). Optical depths: towards the observer, and of the way
 // out at cos = 1, which stands for that at any angle.
 template <class T>

@@ -9,9 +9,9 @@
 #include "smooth_part.h"
 
 #define WIDE_SHARE 0.15
-#define WIDE_SHARE_BESIDE 0.075
 #define WIDEST_DEVIATION 0.2
 #define TO_HORIZON 0.1
+#define TO_HORIZON_BESIDE 0.2
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 #define GIVEN_TO_LOBE 0.05
@@ -150,9 +150,8 @@ MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
     float p = orientation_density(some.orientation, h) / tilt_weight;
     mirrored.density = p * cos_light * some.coverage / (8.0 * M_PI * cos_alpha * eta * g_light * layer.coverage);
     float turned = 2.0 * eta * cos_view_in;
-    float most = min(WIDEST_DEVIATION, TO_HORIZON * cos_view);
-    float wide = steep ? WIDE_SHARE_BESIDE : WIDE_SHARE;
-    mirrored.variance = min(wide * turned * turned * core_variance(some.orientation), most * most);
+    float most = min(WIDEST_DEVIATION, (steep ? TO_HORIZON_BESIDE : TO_HORIZON) * cos_view);
+    mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
     float slope = orientation_slope(some.orientation, h);
     vector pull = (n - m * (1.0 - 2.0 * h)) * (slope / (2.0 * facing));
     vector gradient = (pull - l * (inner_product(pull, n) / along)) / eta +
@@ -167,24 +166,51 @@ MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
   return mirrored;
 }
 
-struct Beside {
-  color left;
-  color given;
-};
-
-Beside beside(MirroredSample mirrored, SmoothPart part, vector view)
+vector level_across(vector n, vector direction)
 {
-  Beside found;
-  found.left = mirrored.weight;
-  found.given = color(0.0);
+  vector sideways = cross(n, direction);
+  float sine = sqrt(inner_product(sideways, sideways));
+  if (!(sine > 1e-6))
+    return vector(0.0);
+  return sideways / sine;
+}
+
+color leave_beside(output MirroredSample mirrored, SmoothPart part, vector n, vector view)
+{
   if (!(mirrored.density > 0.0))
-    return found;
+    return color(0.0);
   float smooth = facets_show(part, view, mirrored.direction) / mirrored.density;
-  color all = mirrored.weight - part.weight * smooth;
-  for (int c = 0; c < 3; ++c)
-    found.left[c] = all[c] > GIVEN_TO_LOBE * mirrored.weight[c] ? all[c] : 0.0;
-  found.given = all - found.left;
-  return found;
+  color whole = mirrored.weight;
+  color all = whole - part.weight * smooth;
+  float before = 0.0;
+  float after = 0.0;
+  color left = color(0.0);
+  for (int c = 0; c < 3; ++c) {
+    if (all[c] > GIVEN_TO_LOBE * whole[c]) {
+      left[c] = all[c];
+      before = before + whole[c];
+      after = after + all[c];
+    }
+  }
+  mirrored.weight = left;
+  color given = all - left;
+  float k = after > 0.0 ? before / after - 1.0 : 0.0;
+  if (!(k > 0.0 && mirrored.variance > 0.0))
+    return given;
+
+  FacetsFall fall = facets_fall(part, view, mirrored.direction);
+  float t = mirrored.variance;
+  vector across = level_across(n, mirrored.direction);
+  vector along = cross(mirrored.direction, across);
+  vector apart = mirrored.drift - fall.gradient * t;
+  float a = inner_product(apart, along);
+  float b = inner_product(apart, across);
+  mirrored.drift = mirrored.drift + along * (k * a) + across * (k * b);
+  float bend = (1.0 + k) * (mirrored.along * mirrored.along - 1.0) - k * t * bend_along(fall, along);
+  mirrored.along = sqrt(max(1.0 + bend - k * (1.0 + k) * (a * a / t), 0.0));
+  bend = (1.0 + k) * (mirrored.across * mirrored.across - 1.0) - k * t * bend_along(fall, across);
+  mirrored.across = sqrt(max(1.0 + bend - k * (1.0 + k) * (b * b / t), 0.0));
+  return given;
 }
 
 struct LobeCone {
@@ -197,11 +223,9 @@ LobeCone wide_cone(MirroredSample mirrored, vector n, float u, float w, float e)
   LobeCone cone;
   cone.direction = mirrored.direction;
   cone.half_angle = 0.0;
-  vector sideways = cross(n, mirrored.direction);
-  float sine = sqrt(inner_product(sideways, sideways));
-  if (!(mirrored.variance > 0.0 && sine > 1e-6))
+  vector across = level_across(n, mirrored.direction);
+  if (!(mirrored.variance > 0.0 && inner_product(across, across) > 0.0))
     return cone;
-  vector across = sideways / sine;
   vector along = cross(mirrored.direction, across);
   float off = sqrt(-2.0 * mirrored.variance * logarithm(u));
   float phi = M_2PI * w;

@@ -57,6 +57,34 @@ float facets_show(SmoothPart part, vector view, vector light)
   return exponential(-(x * x + y * y)) / (M_PI * area * cos2 * cos2 * masked * 4.0 * view_z);
 }
 
+struct FacetsFall {
+  vector gradient;
+  vector x;
+  vector y;
+};
+
+FacetsFall facets_fall(SmoothPart part, vector view, vector light)
+{
+  vector across = cross(part.facing, part.along);
+  vector half = view + light;
+  float half_z = inner_product(half, part.facing);
+  float x = inner_product(half, part.along) / half_z;
+  float y = inner_product(half, across) / half_z;
+  FacetsFall fall;
+  fall.x = (part.along - part.facing * x) / (part.alpha_x * half_z);
+  fall.y = (across - part.facing * y) / (part.alpha_y * half_z);
+  fall.gradient = half * (4.0 / inner_product(half, half)) - part.facing * (4.0 / half_z) -
+                  fall.x * (2.0 * x / part.alpha_x) - fall.y * (2.0 * y / part.alpha_y);
+  return fall;
+}
+
+float bend_along(FacetsFall fall, vector tangent)
+{
+  float x = inner_product(fall.x, tangent);
+  float y = inner_product(fall.y, tangent);
+  return -2.0 * (x * x + y * y);
+}
+
 color flakes_show(Layer layer, Flakes some, float library[], vector n, vector view, vector light, color slant_view,
                   color depth)
 {

@@ -121,6 +121,60 @@ TEST(FlakeLobe, SamplesHaveTheMeanOfTheBrdfInFloat) { expect_brdf<float>(81); }
 TEST(FlakeLobe, SoHaveWideConesButForASmallShare) { expect_brdf<double>(82, 0.03); }
 TEST(FlakeLobe, SoHaveTheyInFloat) { expect_brdf<float>(83, 0.03); }
 
+// Of what a smooth part leaves, over rings about the mirror direction: the wide cones beside the
+// flakes' own directions.
+TEST(FlakeLobe, WideConesShowWhatASmoothPartLeavesWhereItIs) {
+  Random random = fresh(85);
+  Worst worst;
+  constexpr int kScenes = 24, kSamples = 60'000;
+  // Of a ring's light, as of all that flakes mirror. More, but never four times as much, in two
+  // rings of 25,000: far from the mirror direction of tilts above 0.3, where third derivatives
+  // count.
+  constexpr double kBias = 0.03, kFarBias = 0.12;
+  int beyond = 0;
+  const std::array<double, 5> edges{1.1, 0.97, 0.85, 0.5, -1.1};
+  const double threshold = sidak_threshold(kFreshLevel, kScenes * 4);
+  for (int k = 0; k < kScenes;) {
+    TestScene scene;
+    scene.paint = random_paint(random);
+    aim(scene, random, 2);
+    const auto layer = scene.layer<double>();
+    const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
+    if (!(part.weight.y > 0)) continue;
+    ++k;
+    const Vec3<double> mirror = scene.normal * (2 * dot(scene.normal, scene.view)) - scene.view;
+    const auto ring_of = [&](Vec3<double> light) {
+      std::size_t ring = 0;
+      while (dot(light, mirror) <= edges[ring + 1]) ++ring;
+      return ring;
+    };
+    std::array<double, 4> whole{}, own{}, square{}, wide{};
+    for (int i = 0; i < kSamples; ++i) {
+      auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
+                                 random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
+      const std::size_t at = ring_of(sample.direction);
+      whole[at] += sample.weight.y / kSamples;
+      leave_beside(sample, part, scene.normal, scene.view);
+      own[at] += sample.weight.y / kSamples;
+      square[at] += sample.weight.y * sample.weight.y / kSamples;
+      const std::size_t shown = ring_of(shown_from(sample, scene.normal, random));
+      wide[shown] += sample.weight.y / kSamples;
+      square[shown] += sample.weight.y * sample.weight.y / kSamples;
+    }
+    for (std::size_t ring = 0; ring < 4; ++ring) {
+      if (square[ring] * 100 >= own[ring] * own[ring] * kSamples) continue;
+      // Both sums' errors; that they share their flakes makes their difference less.
+      const double error = std::sqrt(square[ring] / kSamples);
+      const double off = std::fabs(wide[ring] - own[ring]);
+      if (off > threshold * error + kBias * whole[ring]) ++beyond;
+      worst.see(off / (error + kFarBias * whole[ring] / threshold), "ring", ring, "wide",
+                wide[ring], "own", own[ring], "whole", whole[ring], scene);
+    }
+  }
+  EXPECT_LE(beyond, 1);
+  worst.expect_at_most(threshold);
+}
+
 // Above the horizon, and as likely about any of its points.
 TEST(FlakeLobe, AWideConeHoldsItsFlakesDirectionAndNothingBelowTheHorizon) {
   Random random = fresh(84);

@@ -541,10 +541,15 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
                osl::may_show(to_osl(lobes), to_osl(some), to_osl(around)),
                may_show(lobes, some, around));
         }
-        const auto shader_beside = osl::beside(shader_sample, shader_part, to_osl(point.view));
-        const Beside<float> expected = beside(sample, part, point.view);
-        same("what is left beside it", shader_beside.left, expected.left);
-        same("what the lobe is given", shader_beside.given, expected.given);
+        auto shader_left = shader_sample;
+        MirroredSample<float> left = sample;
+        same("what the lobe is given",
+             osl::leave_beside(shader_left, shader_part, surface.n, to_osl(point.view)),
+             leave_beside(left, part, point.normal, point.view));
+        same("what is left beside it", shader_left.weight, left.weight);
+        same("its drift", shader_left.drift, left.drift);
+        same("its deviations", osl::vector(shader_left.along, shader_left.across, 0),
+             {left.along, left.across, 0});
       }
     }
     same("sample's drift", shader_sample.drift, sample.drift);

@@ -99,6 +99,37 @@ TEST(SmoothPart, ShowsMuchOfWhatGgxFlakesMirrorAndHardlyMore) {
   expect_shares(92, Orientation::ggx, 0.5, 0.02, 0.1);
 }
 
+// Where facets do not mask one another the fall is that of all their light.
+TEST(SmoothPart, TheFacetsFallIsTheirLogarithmsGradient) {
+  Random random = fresh(94);
+  Worst worst;
+  constexpr double kStep = 1e-5;
+  for (int k = 0; k < 2'000; ++k) {
+    const TestScene scene = smooth_scene(random, static_cast<Orientation>(k % 3));
+    const auto layer = scene.layer<double>();
+    const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
+    const auto sample =
+        sample_flake(layer, scene.normal, scene.view, random.uniform(), random.uniform());
+    const Vec3<double> light = sample.direction;
+    const double rise = dot(light, part.normal), most = std::max(part.alpha_x, part.alpha_y);
+    if (!(part.weight.y > 0 && rise > 0.1 && most * most * (1 / (rise * rise) - 1) < 0.38))
+      continue;
+    if (!(facets_show(part, scene.view, light) > 1e-200)) continue;
+    const Vec3<double> across = level_across(scene.normal, light);
+    const FacetsFall<double> fall = facets_fall(part, scene.view, light);
+    for (const Vec3<double>& tangent : {across, cross(light, across)}) {
+      const auto log_at = [&](double step) {
+        const Vec3<double> moved = light + tangent * step;
+        return std::log(facets_show(part, scene.view, moved / length(moved)));
+      };
+      const double found = (log_at(kStep) - log_at(-kStep)) / (2 * kStep);
+      const double scale = length(fall.gradient) + 1 / std::min(part.alpha_x, part.alpha_y);
+      worst.see(std::fabs(found - dot(fall.gradient, tangent)) / scale, "found", found, scene);
+    }
+  }
+  worst.expect_at_most(1e-4);  // the rule's third derivatives at the least alpha of 1e-3
+}
+
 // The lobe and what it leaves the flakes, over rings about the mirror direction.
 TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) {
   Random random = fresh(93);
@@ -128,12 +159,10 @@ TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) {
       }
     });
     for (int i = 0; i < kSamples; ++i) {
-      const auto sample =
-          sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
-                       random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
-      const Beside<double> found = beside(sample, part, scene.view);
-      const double left = found.left.y;
-      given += found.given.y / kSamples;
+      auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
+                                 random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
+      given += leave_beside(sample, part, scene.normal, scene.view).y / kSamples;
+      const double left = sample.weight.y;
       sum[ring_of(sample.direction)] += left / kSamples;
       square[ring_of(sample.direction)] += left * left / kSamples;
     }

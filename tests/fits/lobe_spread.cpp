@@ -2,7 +2,8 @@
 //
 // What kWideShare of core/flake_lobe.h errs: a flake's mirror direction is widened to a cone.
 // lobe_spread [SEED] compares what the cones show of round lamps with what plain mirror directions
-// do, and these with the BRDF's own integral. A table on the output; two minutes.
+// do, and these with the BRDF's own integral; likewise the cones beside a smooth part, over the
+// light of both. A table on the output; four minutes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +19,7 @@ namespace {
 
 using namespace core_tests;
 
-constexpr int kCases = 24, kSamples = 1 << 22;
+constexpr int kCases = 48, kSamples = 1 << 22;
 
 struct Lamp {
   Vec3<double> towards;
@@ -52,10 +53,11 @@ double exact(const Layer<double>& layer, Vec3<double> view, const Lamp& lamp) {
   return sum * 2 * std::numbers::pi * (1 - lamp.cos_radius) / (n * n);
 }
 
-// Likewise by flakes' mirror directions, and by their wide cones. The deviates are Kronecker's,
-// from the plastic number's kin, and where they need not be the same random ones.
+// Likewise by flakes' mirror directions, and by their wide cones: of all that they mirror, or of
+// what a smooth part leaves. The deviates are Kronecker's, from the plastic number's kin, and where
+// they need not be the same random ones.
 std::array<double, 2> by_flakes(const Layer<double>& layer, Vec3<double> view, const Lamp& lamp,
-                                Random& random) {
+                                const SmoothPart<double>* part, Random& random) {
   constexpr double kStep[] = {0.8566748838545029, 0.7338918566271260, 0.6287067210378087,
                               0.5385972572236101};
   double plain = 0, widened = 0;
@@ -63,8 +65,10 @@ std::array<double, 2> by_flakes(const Layer<double>& layer, Vec3<double> view, c
     double at[4];
     for (int k = 0; k < 4; ++k) at[k] = std::fmod((i + 0.5) * kStep[k], 1.0);
     const Vec3<double> normal{0, 0, 1};
-    const MirroredSample<double> sample =
-        sample_flake(layer, normal, view, inside_unit(at[0]), at[1]);
+    MirroredSample<double> sample =
+        sample_flake(layer, normal, view, inside_unit(at[0]), at[1],
+                     static_cast<FirstFlake<double>*>(nullptr), part != nullptr);
+    if (part != nullptr) leave_beside(sample, *part, normal, view);
     if (!(sample.weight.y > 0)) continue;
     const LobeCone<double> cone =
         wide_cone(sample, normal, inside_unit(at[2]), at[3], inside_unit(random.uniform()));
@@ -95,7 +99,7 @@ int main(int argc, char** argv) {
       static_cast<unsigned long long>(seed), kCases);
   std::printf("| relative error of a lamp's light | largest | 95 %% | median |\n");
   std::printf("| --- | ---: | ---: | ---: |\n");
-  std::vector<double> plain, wide;
+  std::vector<double> plain, wide, left;
   Random random(seed);
   for (int i = 0; i < kCases; ++i) {
     const Paint paint = ordinary_paint(random);
@@ -107,11 +111,15 @@ int main(int argc, char** argv) {
       lamp.towards =
           sample_flake(layer, {0, 0, 1}, view, random.uniform(), random.uniform()).direction;
     } while (!(lamp.towards.z > 0.3 && lamp.towards.z < 1));
-    const auto [by_mirrors, by_cones] = by_flakes(layer, view, lamp, random);
+    const auto [by_mirrors, by_cones] = by_flakes(layer, view, lamp, nullptr, random);
     plain.push_back(std::fabs(by_mirrors / exact(layer, view, lamp) - 1));
     wide.push_back(std::fabs(by_cones / by_mirrors - 1));
+    const SmoothPart<double> part = smooth_part(layer, layer.flakes[0], {0, 0, 1}, view);
+    const auto [left_to_mirrors, left_to_cones] = by_flakes(layer, view, lamp, &part, random);
+    left.push_back(std::fabs(left_to_cones - left_to_mirrors) / by_mirrors);
     if ((i + 1) % 20 == 0) std::fprintf(stderr, "%d of %d lamps\n", i + 1, kCases);
   }
   tell("mirror directions, off the BRDF's integral", plain);
   tell("wide cones, off the mirror directions", wide);
+  tell("wide cones beside a smooth part, of the light of both", left);
 }
