@@ -39,7 +39,7 @@ T inside_unit(T x) {
 inline constexpr double kWideShare = 0.15;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view. Beside a smooth part
 // (smooth_part.h), which shows most of the light, twice that moves a lamp's light by 2.7 % at most,
-// by 0.8 % in 95 % of 48, and has a fifth less noise under softboxes.
+// by 1.1 % in 95 % of 48, and has a sixth less noise under softboxes.
 inline constexpr double kWidestDeviation = 0.2;
 inline constexpr double kToHorizon = 0.1, kToHorizonBeside = 0.2;
 // Otherwise it is widened to a cone of this half-angle, in units of eta tilt (the tilt turns the

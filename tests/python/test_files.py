@@ -33,8 +33,10 @@ def main():
 run_program(main)
 """
 OUTER = """
+import signal
 import sys
 sys.path.insert(0, sys.argv[1])
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever our starter ignores
 from common.processes import run_limited, run_program
 
 run_program(lambda: run_limited([sys.executable, "-c", *sys.argv[2:]], seconds=60))
