@@ -132,7 +132,6 @@ TEST(FlakeLobe, WideConesShowWhatASmoothPartLeavesWhereItIs) {
   // count.
   constexpr double kBias = 0.03, kFarBias = 0.12;
   int beyond = 0;
-  const std::array<double, 5> edges{1.1, 0.97, 0.85, 0.5, -1.1};
   const double threshold = sidak_threshold(kFreshLevel, kScenes * 4);
   for (int k = 0; k < kScenes;) {
     TestScene scene;
@@ -142,22 +141,16 @@ TEST(FlakeLobe, WideConesShowWhatASmoothPartLeavesWhereItIs) {
     const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
     if (!(part.weight.y > 0)) continue;
     ++k;
-    const Vec3<double> mirror = scene.normal * (2 * dot(scene.normal, scene.view)) - scene.view;
-    const auto ring_of = [&](Vec3<double> light) {
-      std::size_t ring = 0;
-      while (dot(light, mirror) <= edges[ring + 1]) ++ring;
-      return ring;
-    };
     std::array<double, 4> whole{}, own{}, square{}, wide{};
     for (int i = 0; i < kSamples; ++i) {
       auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
                                  random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
-      const std::size_t at = ring_of(sample.direction);
+      const std::size_t at = ring_of(scene, sample.direction);
       whole[at] += sample.weight.y / kSamples;
       leave_beside(sample, part, scene.normal, scene.view);
       own[at] += sample.weight.y / kSamples;
       square[at] += sample.weight.y * sample.weight.y / kSamples;
-      const std::size_t shown = ring_of(shown_from(sample, scene.normal, random));
+      const std::size_t shown = ring_of(scene, shown_from(sample, scene.normal, random));
       wide[shown] += sample.weight.y / kSamples;
       square[shown] += sample.weight.y * sample.weight.y / kSamples;
     }

@@ -279,6 +279,13 @@ inline independent::Scene reference_scene(const TestScene& s) {
           .footprint = s.footprint};
 }
 
+// Four rings about the mirror direction of the view, from the innermost.
+inline std::size_t ring_of(const TestScene& scene, Vec3<double> light) {
+  const Vec3<double> mirror = scene.normal * (2 * dot(scene.normal, scene.view)) - scene.view;
+  const double c = dot(light, mirror);
+  return c > 0.97 ? 0 : c > 0.85 ? 1 : c > 0.5 ? 2 : 3;
+}
+
 // Whether the light is so narrow against the tilt that P at its centre serves for all of it.
 inline bool is_narrow(const TestScene& scene) {
   const auto mirror = mirror_between(scene.normal, scene.view, scene.light, scene.paint.binder_ior);
