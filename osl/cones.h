@@ -6,6 +6,7 @@
 
 #include "stdcycles.h"
 #include "composition.h"
+#include "diffuse_lobe.h"
 #include "flake_lobe.h"
 #include "light.h"
 #include "random.h"
@@ -14,6 +15,10 @@
 #define CONE_MARGIN 1e-3
 #define NARROW_CONE 0.02
 #define WIDEST_CONE 0.5
+#define IMAGE_EXPONENT 1e5
+#define IMAGE_REACH 0.012
+#define IMAGE_PICKED 10.0
+#define LEAST_COSINE_OF_IMAGE 0.05
 
 float cone_half_angle(float average, float least, float most)
 {
@@ -93,12 +98,19 @@ closure color mirrored_cone(MirroredSample mirrored, LobeCone wide, vector view,
 // A coat without roughness. No sampling of lamps finds what a mirror shows, so where that is a listed light, a cone about
 // the light shows it instead, and beside it what the mirror shows: where the image is wider than the light (LEAST_IMAGE) by
 // what the cone leaves. Of lights that overlap the first decides. What melts may have corners: rays find it.
-closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
+// A coat shows a twentieth, so rays are seldom sent there, and a lamp's image is the noise of a whole picture. Where a ray
+// meets the image of what melts, a lobe of 3 mrad takes the mirror's place: Cycles picks phong_ramp by its weight alone, so
+// with a weight so many times as great and colours as much darker the ray is sent as many times as often. Not beside a light
+// that has a cone, which the lobe would show again; nor of lamps that rays do not meet (`met` is 0), which would be fireflies.
+closure color mirror(vector n, vector view, SeenLight seen[8], int lights, int met)
 {
   closure color shown = 0;
   float left = 1.0;  // of the mirror
+  int melts = 0;
   int shows[8];
   vector mirrored = n * (2.0 * inner_product(n, view)) - view;
+  SeenLight towards;
+  towards.direction = mirrored;
   for (int i = 0; i < lights; ++i) {
     shows[i] = 0;
     float radiance = highlight(n, view, seen[i].direction, seen[i].sin2_half_radius, 0.0, 1.0);
@@ -119,8 +131,21 @@ closure color mirror(vector n, vector view, SeenLight seen[8], int lights)
       if (inner_product(off, off) < rho * rho)
         left = 0.0;
     }
+    if (angle_between(towards, seen[i]) < seen[i].reach + IMAGE_REACH) {
+      if (seen[i].breadth > 0.0)
+        melts = 1;
+      else
+        met = 0;  // a cone shows this one
+    }
   }
-  if (left > 0.0)
+  float cosine = inner_product(n, view);
+  if (melts && met && left > 0.0 && cosine > LEAST_COSINE_OF_IMAGE) {
+    // The lobe's integral over the lights is the cosine (core/phong_lobe.h).
+    color dark = color(1.0 / IMAGE_PICKED);
+    color ramp[RAMP_COLORS] = {dark, dark, dark, dark, dark, dark, dark, dark};
+    shown = shown + left * IMAGE_PICKED / cosine * phong_ramp(n, IMAGE_EXPONENT, ramp);
+  }
+  else if (left > 0.0)
     shown = shown + left * reflection(n);
   return shown;
 }

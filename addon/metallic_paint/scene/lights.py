@@ -217,8 +217,15 @@ def show_other_light(needed: bool, uneven: bool = False) -> None:
     """Whether the flakes show light from elsewhere than the slots, in a new file they do; and
     whether it comes from some sides more, as of lamps, which random flakes show with much noise."""
     group = node_group()
-    _set(group, OTHER_LIGHT, 2.0 if needed and uneven else float(needed))
+    from_sides = 3.0 if rays_meet_all() else 2.0
+    _set(group, OTHER_LIGHT, from_sides if needed and uneven else float(needed))
     _tell_scenes(group)
+
+
+def rays_meet_all() -> bool:
+    """Whether a mirror shows every lamp of the file: Cycles leaves out those without multiple
+    importance sampling."""
+    return all(light.cycles.use_multiple_importance_sampling for light in bpy.data.lights)
 
 
 def _tell_scenes(group: bpy.types.ShaderNodeTree) -> None:

@@ -153,6 +153,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         _world_may_shine(scene), _world_may_be_uneven(scene), _draws_every_frame(),
+        lights.rays_meet_all(),
     ]  # fmt: skip
     seen += [
         (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
