@@ -133,8 +133,11 @@ def test_a_paint_is_found_again_from_its_brdf(tmp_path: Path) -> None:
     figures = {figure["name"]: figure["value"] for figure in json.loads(file.read_text())}
     # Of six paints: 0.2 to 0.3 steps of L*; tilt, roughness and index within 1.5 %.
     assert figures["RMS error"] < 1, paint
-    # Beckmann's law of a small tilt is Gauss's of its slope, alpha/sqrt(2).
-    gaussian = found.tilt / (math.sqrt(2) if found.orientation == "beckmann" else 1)
+    # Beckmann's law, exp(-tan^2/alpha^2)/cos^4, falls as Gauss's does at small tilts, with
+    # 1/(2 sigma^2) = 1/alpha^2 - 2.
+    gaussian = found.tilt
+    if found.orientation == "beckmann":
+        gaussian = 1 / math.sqrt(2 * (found.tilt**-2 - 2))
     assert gaussian == pytest.approx(paint.tilt, rel=0.05), paint
     assert found.coat_roughness == pytest.approx(paint.coat_roughness, rel=0.05), paint
     assert found.binder_ior == pytest.approx(paint.binder_ior, abs=0.05), paint
