@@ -68,9 +68,9 @@ Shares shares(const TestScene& scene) {
   return found;
 }
 
-// Of 60 paints: the median of what the lobes show, and of what they show too much, the greatest too.
-// The scenes are the same ones in each run, as it is the greatest of few; of some 600 fresh ones it
-// was 0.11, where the view is near the horizon and there is no wide lobe.
+// Of 60 paints: the median of what the lobes show, and of what they show too much, the greatest
+// too. The scenes are the same ones in each run, as it is the greatest of few; of some 600 fresh
+// ones it was 0.11, where the view is near the horizon and there is no wide lobe.
 void expect_shares(std::uint64_t stream, Orientation orientation, double shown, double beyond,
                    double most) {
   Random random = same_scenes(stream);
