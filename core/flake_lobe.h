@@ -34,12 +34,12 @@ T inside_unit(T x) {
 // disc, so where it may not be, as it holds a listed light or the horizon, the flake's own
 // direction takes its place.
 // t is this share of the variance of the mirror directions across the plane of view. A lamp's light
-// is off by 1.4 % at most, 0.5 % in 95 % (24 paints under round lamps of 0.1 to 0.5 rad;
+// is off by 2.2 % at most, 0.5 % in 95 % (48 paints under round lamps of 0.1 to 0.5 rad;
 // tests/fits/lobe_spread.cpp). Twice that deviation has a quarter less noise, twice the error.
 inline constexpr double kWideShare = 0.15;
 // Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view. Beside a smooth part
-// (smooth_part.h), which shows most of the light, twice that moves a lamp's light by 2.7 % at most,
-// by 1.1 % in 95 % of 48, and has a sixth less noise under softboxes.
+// (smooth_part.h), which shows most of the light, twice that moves a lamp's light by 2.0 % at most,
+// by 0.8 % in 95 % of 48, and has a sixth less noise under softboxes.
 inline constexpr double kWidestDeviation = 0.2;
 inline constexpr double kToHorizon = 0.1, kToHorizonBeside = 0.2;
 // Otherwise it is widened to a cone of this half-angle, in units of eta tilt (the tilt turns the

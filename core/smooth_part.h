@@ -268,7 +268,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     narrow_shows[i] = facets_show(part.narrow, view, light[i]);
     wide_shows[i] = share > 0 ? facets_show(part.wide, view, light[i]) : T(0);
   }
-  if (share > 0 && wide_shows[0] > 0) {
+  if (share > 0 && narrow_shows[0] > 0 && wide_shows[0] > 0) {
     const T unit_narrow = left[0] / narrow_shows[0], unit_wide = (1 - left[0]) / wide_shows[0];
     Rgb<T> most = grey(T(1e30));
     for (int i = 0; i < 6; ++i) {

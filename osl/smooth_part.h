@@ -259,7 +259,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
     if (share > 0.0)
       wide_shows[i] = facets_show(part.wide, view, light[i]);
   }
-  if (share > 0.0 && wide_shows[0] > 0.0) {
+  if (share > 0.0 && narrow_shows[0] > 0.0 && wide_shows[0] > 0.0) {
     float unit_narrow = left[0] / narrow_shows[0];
     float unit_wide = (1.0 - left[0]) / wide_shows[0];
     color most = color(1e30);
