@@ -164,6 +164,25 @@ T lobe_height(const OrientationDensity<T>& density) {
 // at most, of others by 11 %; with 0.15 by up to 26 %.
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
 
+// e, by f two alphas of the guess across the plane of view, and by -ln of f an alpha aside, at
+// which r^2 = 4 fall. Two steps from A = 1/1.2: e by f, A by e.
+template <class T>
+T wide_share(T far, T fall) {
+  const T far_wide = exponential(-4 * fall / T(kWider)), near_wide = exponential(T(-1 / kWider));
+  T share = 0, steep = T(1.2);  // 1/A
+  for (int k = 0; k < 2; ++k) {
+    const T far_narrow = exponential(-4 * fall * steep);
+    share = clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
+    steep = -logarithm((exponential(T(-1)) - share * near_wide) / (1 - share));
+  }
+  return share;
+}
+
+template <class T>
+Rgb<T> least(Rgb<T> a, Rgb<T> b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+
 template <class T>
 SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> view) {
@@ -228,14 +247,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T wide_y2 = T(kWider) * (guess.alpha_y * guess.alpha_y) / fall_y;
   T share = 0, aside = 0;
   if (is_far_seen && max(wide_x2, wide_y2) < T(kMostSquare)) {
-    const T far = exponential(-falls[5]), far_wide = exponential(-4 * fall_y / T(kWider));
-    const T near_wide = exponential(T(-1 / kWider));
-    T steep = T(1.2);  // 1/A
-    for (int k = 0; k < 2; ++k) {
-      const T far_narrow = exponential(-4 * fall_y * steep);
-      share = clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
-      steep = -logarithm((exponential(T(-1)) - share * near_wide) / (1 - share));
-    }
+    share = wide_share(exponential(-falls[5]), fall_y);
     if (share > 0) {
       const T lower = max(falls[4] + logarithm(share), T(0));
       aside = clamp(2 * guess.alpha_x - sqrt(wide_x2 * lower), T(-kMostAside) * guess.alpha_x,
@@ -264,7 +276,8 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   // As high as f lets them be: first the wide lobe beside its share of the narrow one.
   const T highest = lobe_height(flakes.orientation);
   T narrow_shows[6], wide_shows[6];
-  for (int i = 0; i < 6; ++i) {
+  const int points = share > 0 ? 6 : 4;
+  for (int i = 0; i < points; ++i) {
     narrow_shows[i] = facets_show(part.narrow, view, light[i]);
     wide_shows[i] = share > 0 ? facets_show(part.wide, view, light[i]) : T(0);
   }
@@ -275,8 +288,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
       if (i > 0 && i < 4) continue;
       const T height = highest * (i == 0 ? T(kHeight) : T(kHeightFar)) * unit_wide /
                        (unit_narrow * narrow_shows[i] + unit_wide * wide_shows[i]);
-      most = {min(most.x, shown[i].x * height), min(most.y, shown[i].y * height),
-              min(most.z, shown[i].z * height)};
+      most = least(most, shown[i] * height);
     }
     part.wide.weight = most;
   }
@@ -285,9 +297,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     if (!(narrow_shows[i] > 0 && max_component(shown[i]) > 0)) continue;
     const T height = highest * (i == 0 ? T(kHeight) : T(kHeightAside));
     const Rgb<T> rest = shown[i] * height - part.wide.weight * wide_shows[i];
-    most = {min(most.x, max(rest.x, T(0)) / narrow_shows[i]),
-            min(most.y, max(rest.y, T(0)) / narrow_shows[i]),
-            min(most.z, max(rest.z, T(0)) / narrow_shows[i])};
+    most = least(most, map(rest, [&](T x) { return max(x, T(0)) / narrow_shows[i]; }));
   }
   if (most.x < T(1e30)) part.narrow.weight = most;
   return part;

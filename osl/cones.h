@@ -101,12 +101,14 @@ closure color mirrored_cone(MirroredSample mirrored, LobeCone wide, vector view,
 // A coat shows a twentieth, so rays are seldom sent there, and a lamp's image is the noise of a whole picture. Where a ray
 // meets the image of what melts, a lobe of 3 mrad takes the mirror's place: Cycles picks phong_ramp by its weight alone, so
 // with a weight so many times as great and colours as much darker the ray is sent as many times as often. Not beside a light
-// that has a cone, which the lobe would show again; nor of lamps that rays do not meet (`met` is 0), which would be fireflies.
+// that has a cone, which the lobe would show again; nor where no light melts or rays do not meet all lamps (`met` is 0), of
+// which the lobe would show fireflies.
 closure color mirror(vector n, vector view, SeenLight seen[8], int lights, int met)
 {
   closure color shown = 0;
   float left = 1.0;  // of the mirror
-  int melts = 0;
+  int image = 0;  // of what melts
+  int coned = 0;  // of what has a cone
   int shows[8];
   vector mirrored = n * (2.0 * inner_product(n, view)) - view;
   SeenLight towards;
@@ -131,15 +133,15 @@ closure color mirror(vector n, vector view, SeenLight seen[8], int lights, int m
       if (inner_product(off, off) < rho * rho)
         left = 0.0;
     }
-    if (angle_between(towards, seen[i]) < seen[i].reach + IMAGE_REACH) {
+    if (met && angle_between(towards, seen[i]) < seen[i].reach + IMAGE_REACH) {
       if (seen[i].breadth > 0.0)
-        melts = 1;
+        image = 1;
       else
-        met = 0;  // a cone shows this one
+        coned = 1;
     }
   }
   float cosine = inner_product(n, view);
-  if (melts && met && left > 0.0 && cosine > LEAST_COSINE_OF_IMAGE) {
+  if (image && !coned && left > 0.0 && cosine > LEAST_COSINE_OF_IMAGE) {
     // The lobe's integral over the lights is the cosine (core/phong_lobe.h).
     color dark = color(1.0 / IMAGE_PICKED);
     color ramp[RAMP_COLORS] = {dark, dark, dark, dark, dark, dark, dark, dark};

@@ -141,6 +141,20 @@ float lobe_height(OrientationDensity density)
   return 1.0 - LOWER * wide;
 }
 
+float wide_share(float far, float fall)
+{
+  float far_wide = exponential(-4.0 * fall / WIDER);
+  float near_wide = exponential(-1.0 / WIDER);
+  float share = 0.0;
+  float steep = 1.2;
+  for (int k = 0; k < 2; ++k) {
+    float far_narrow = exponential(-4.0 * fall * steep);
+    share = clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
+    steep = -logarithm((exponential(-1.0) - share * near_wide) / (1.0 - share));
+  }
+  return share;
+}
+
 SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint surface)
 {
   vector n = surface.n;
@@ -216,15 +230,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   float share = 0.0;
   float aside = 0.0;
   if (is_far_seen && max(wide_x2, wide_y2) < MOST_SQUARE) {
-    float far = exponential(-falls[5]);
-    float far_wide = exponential(-4.0 * fall_y / WIDER);
-    float near_wide = exponential(-1.0 / WIDER);
-    float steep = 1.2;
-    for (int k = 0; k < 2; ++k) {
-      float far_narrow = exponential(-4.0 * fall_y * steep);
-      share = clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
-      steep = -logarithm((exponential(-1.0) - share * near_wide) / (1.0 - share));
-    }
+    share = wide_share(exponential(-falls[5]), fall_y);
     if (share > 0.0) {
       float lower = max(falls[4] + logarithm(share), 0.0);
       aside = clamp(2.0 * guess.alpha_x - sqrt(wide_x2 * lower), -MOST_ASIDE * guess.alpha_x,
@@ -253,7 +259,8 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   float highest = lobe_height(some.orientation);
   float narrow_shows[6];
   float wide_shows[6];
-  for (int i = 0; i < 6; ++i) {
+  int points = share > 0.0 ? 6 : 4;
+  for (int i = 0; i < points; ++i) {
     narrow_shows[i] = facets_show(part.narrow, view, light[i]);
     wide_shows[i] = 0.0;
     if (share > 0.0)

@@ -432,7 +432,7 @@ TEST(OrangePeel, FlakesAreSeenByTheWavesOwnSurface) {
 
 // Light by light it is as much: the waves turn the light. At the horizon a wave hides some of it
 // from itself, most where it faces the observer: of a white world 0.001 on average of 300 fresh
-// scenes, 0.027 at most.
+// scenes, more than 0.01 in 6 of them, 0.027 at most. These, the same in each run, lose 0.003.
 TEST(OrangePeel, AlbedoIsTheIntegralOfTheReflectance) {
   Random random = same_scenes(41);
   Worst worst;
@@ -457,7 +457,7 @@ TEST(OrangePeel, AlbedoIsTheIntegralOfTheReflectance) {
     worst.see(std::abs(missing), "albedo", albedo.y, "tilt", paint.tilt, "peel", paint.orange_peel);
   }
   EXPECT_LT(std::abs(lost), 0.003);  // as much as without waves
-  worst.expect_at_most(0.04);
+  worst.expect_at_most(0.01);
 }
 
 // Under waves a paint that absorbs nothing still loses nothing: what the light's way loses in one
