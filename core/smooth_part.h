@@ -179,11 +179,6 @@ T wide_share(T far, T fall) {
 }
 
 template <class T>
-Rgb<T> least(Rgb<T> a, Rgb<T> b) {
-  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
-}
-
-template <class T>
 SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> view) {
   const T cos_view = min(dot(normal, view), T(1));

@@ -86,6 +86,11 @@ Vec3<T> map(Vec3<T> a, F f) {
   return {f(a.x), f(a.y), f(a.z)};
 }
 template <class T>
+Vec3<T> least(Vec3<T> a, Vec3<T> b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+
+template <class T>
 T max_component(Vec3<T> a) {
   return max(max(a.x, a.y), a.z);
 }
