@@ -94,7 +94,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
       store(to_glossy, i, stack.glossy);
       store(to_returned, i, stack.returned);
       store(to_bent, i, stack.coat_normal);
-      const SlotView<double> slots = view_slots(lights, point);
+      const SlotView<double> slots = view_slots(lights, point, turned_by(layer));
       const auto firsts = look_close(layer, stack.at, paint.frame, paint.seed);
       std::array<PixelSparkles<double>, kLightSlots> drawn;
       for (std::size_t k = 0; k < lights.size(); ++k) {

@@ -214,9 +214,10 @@ void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
     }
   }
   const std::vector<Light<T>> slots = slots_of<T>(lights);
+  const T turned = turned_by(layer);
   const auto evaluate_pixel = [&](std::size_t i) {
     const SurfacePoint<T> point = under_orange_peel(paint, point_at<T>(batch, i));
-    const SlotView<T> view = view_slots(slots, point);
+    const SlotView<T> view = view_slots(slots, point, turned);
     const auto firsts = look_close(layer, point, paint.frame, paint.seed);
     store_pixel(results, i, slots.size(), species, view.leader, [&](std::size_t light) {
       const Rgb<T> slant =

@@ -76,7 +76,9 @@ T visible_facets(T square, T cosine) {
 
 // A mirror shows no listed light smaller than this half-angle, 0.5 degrees, as sin^2 of its half:
 // smaller ones as a disc of this size and as much light in all (ours). In a bent surface the sun's
-// image is a hundredth of a pixel and less, which few samples find, as bright as they are rare.
+// image is a hundredth of a pixel and less, which few samples find, as bright as they are rare. So
+// that a sample at its rim is no speck, the disc fades from full to nothing over as much solid
+// angle to either side of its rim: in the middle it is as bright, and it is as much in all.
 inline constexpr double kLeastImage = 1.9e-5;
 
 // The highlight of a binder surface that reflects `reflectance`, per unit of the light's irradiance
@@ -92,8 +94,9 @@ T highlight(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T sin2_half_radius, T a
   if (!(alpha > 0)) {
     const Vec3<T> off = normal * (2 * cos_view) - view - light;
     const T disc = max(sin2_half_radius, T(kLeastImage));
-    if (dot(off, off) > 4 * disc) return 0;
-    return reflectance / (4 * pi * disc);
+    const T inside = disc - dot(off, off) / 4;
+    const T shown = clamp((inside + T(kLeastImage)) / T(2 * kLeastImage), T(0), T(1));
+    return reflectance * shown / (4 * pi * disc);
   }
   const Vec3<T> sum = view + light;
   const T cos_half = dot(normal, sum) / length(sum);

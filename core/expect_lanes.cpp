@@ -125,9 +125,11 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
     const StreamKeys& keys, const PixelBatch& batch, const PixelResults& results, std::size_t begin,
     std::size_t end, LightsToDraw& to) {
   Layer<Many> layer;
+  Many turned;
   std::vector<Light<Many>> slots;
   Many::in_lanes(kCount, [&] {
     layer = make_layer<Many>(paint);
+    turned = turned_by(layer);
     slots = slots_of<Many>(lights);
   });
   std::array<ExpectedLight, kCount> pixels;
@@ -142,7 +144,7 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
     point.footprint = gather(batch.footprint, i, 1, rows);
     // What is stored of a lane that is left behind later, its own pass overwrites.
     Many::in_lanes(rows, [&] {
-      view_slots(slots, point, view);
+      view_slots(slots, point, turned, view);
       for (std::size_t light = 0; light < slots.size(); ++light) {
         const int leader = view.leader[light];
         if (leader != static_cast<int>(light)) {

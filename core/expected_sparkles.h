@@ -71,6 +71,16 @@ T turned_by(const Flakes<T>& flakes, T eta) {
   return 2 * eta * flakes.orientation.tilt;
 }
 
+// At most.
+template <class T>
+T turned_by(const Layer<T>& layer) {
+  T most = 0;
+  for (int i = 0; i < layer.species; ++i) {
+    most = max(most, turned_by(layer.flakes[static_cast<std::size_t>(i)], layer.eta));
+  }
+  return most;
+}
+
 // sin^2(rho/2) of the cone about n_f in which the normal of a sparkling flake lies (paper, eq. 4):
 // 4 pi sin^2(rho/2) = inside/(4 cos(alpha)).
 template <class T>

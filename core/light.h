@@ -169,12 +169,12 @@ void group_lights(const SeenLight<T>* seen, int* leader, int count) {
   }
 }
 
-// A light that melts shares no cone: the lights that do not are grouped first. One that is not as
-// near to any other as to have melted leads itself. On entry kStandsAside marks those that are
-// there, and stays with those that have melted.
+// A light that melts shares no cone: the lights that do not are grouped first. One that sparkles in
+// the flakes turned widest (`turned`: the largest 2 eta tilt) leads itself. On entry kStandsAside
+// marks those that are there, and stays with those that have melted.
 inline constexpr int kStandsAside = -2;
 template <class T>
-void admit_melting(SeenLight<T>* seen, int* leader, int count) {
+void admit_melting(SeenLight<T>* seen, int* leader, int count, T turned) {
   for (int i = 0; i < count; ++i) {
     if (!(seen[i].breadth > 0) || leader[i] != kStandsAside) continue;
     T gap = std::numbers::pi_v<T>;
@@ -191,7 +191,7 @@ void admit_melting(SeenLight<T>* seen, int* leader, int count) {
       gap = min(gap, angle_between(seen[i], seen[k]) - reach);
     }
     seen[i].apart = clamp((gap - seen[i].reach - T(kLeastGap)) / T(kMeltingGap), T(0), T(1));
-    if (seen[i].apart > 0) leader[i] = i;
+    if (sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0) leader[i] = i;
   }
 }
 

@@ -68,9 +68,9 @@ float highlight(vector n, vector view, vector light, float sin2_half_radius, flo
   if (!(alpha > 0.0)) {
     vector off = n * (2.0 * cos_view) - view - light;
     float disc = max(sin2_half_radius, LEAST_IMAGE);
-    if (inner_product(off, off) > 4.0 * disc)
-      return 0.0;
-    return reflectance / (4.0 * M_PI * disc);
+    float inside = disc - inner_product(off, off) / 4.0;
+    float shown = clamp((inside + LEAST_IMAGE) / (2.0 * LEAST_IMAGE), 0.0, 1.0);
+    return reflectance * shown / (4.0 * M_PI * disc);
   }
   vector sum = view + light;
   float cos_half = inner_product(n, sum) / sqrt(inner_product(sum, sum));

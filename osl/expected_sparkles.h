@@ -70,6 +70,14 @@ float turned_by(Flakes flakes, float eta)
   return 2.0 * eta * flakes.orientation.tilt;
 }
 
+float turned_by(Layer layer)
+{
+  float most = 0.0;
+  for (int i = 0; i < layer.species; ++i)
+    most = max(most, turned_by(flakes_of(layer, i), layer.eta));
+  return most;
+}
+
 float quarter_cone(float inside, Passage way)
 {
   return inside / (16.0 * M_PI * way.mirror.cos_alpha);

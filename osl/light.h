@@ -155,7 +155,7 @@ void group_lights(SeenLight seen[8], float between[64], output int leader[8], in
   }
 }
 
-void admit_melting(output SeenLight seen[8], float between[64], output int leader[8], int count)
+void admit_melting(output SeenLight seen[8], float between[64], output int leader[8], int count, float turned)
 {
   for (int i = 0; i < count; ++i) {
     if (seen[i].breadth > 0.0 && leader[i] == STANDS_ASIDE) {
@@ -169,7 +169,7 @@ void admit_melting(output SeenLight seen[8], float between[64], output int leade
         }
       }
       seen[i].apart = clamp((gap - seen[i].reach - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
-      if (seen[i].apart > 0.0)
+      if (sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0.0)
         leader[i] = i;
     }
   }

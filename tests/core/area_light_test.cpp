@@ -188,12 +188,12 @@ TEST(AreaLight, MeltsAsItWidensAndNearsAnother) {
     EXPECT_NEAR(sparkling_share(scale, 0.5, turned), 0.25, 1e-12);
   }
   const SurfacePoint<double> point{{}, {0, 0, 1}, {0, 0, 1}, 1e-6, 0, 0};
-  const double reach = std::asin(0.1);
+  const double reach = std::asin(0.1), turned = 0.3;
   double before = 0;
   for (double off = 0; off < 0.3; off += 1e-3) {
     const Light<double> sun{LightKind::parallel, {std::sin(off), 0, std::cos(off)}, 0.005};
     const Light<double> lamp{LightKind::area, {0, 0, 1}, 0.1, {0, 0, -0.1}};
-    const SlotView<double> slots = view_slots<double>({lamp, sun}, point);
+    const SlotView<double> slots = view_slots<double>({lamp, sun}, point, turned);
     EXPECT_EQ(slots.leader[1], 1) << "a sun never shares the cone of what melts";
     const double gap = off - reach - 0.005 - kLeastGap;
     EXPECT_NEAR(slots.seen[0].apart, std::clamp(gap / kMeltingGap, 0.0, 1.0), 1e-4);
@@ -206,10 +206,13 @@ TEST(AreaLight, MeltsAsItWidensAndNearsAnother) {
   const Light<double> one{LightKind::area, {0, 0, 1}, 0.1, {0, 0, -0.1}};
   const Light<double> two{LightKind::area, {0.15, 0, 1}, 0.1, {0, 0, -0.1}};
   const Light<double> behind{LightKind::area, {0.15, 0, 1}, 0.1, {0, 0, 0.1}};
-  EXPECT_EQ(view_slots<double>({one, two}, point).leader,
+  EXPECT_EQ(view_slots<double>({one, two}, point, turned).leader,
             (std::array{-1, -1, -1, -1, -1, -1, -1, -1}));
-  EXPECT_EQ(view_slots<double>({one, behind}, point).leader[0], 0);
-  EXPECT_EQ(view_slots<double>({one, behind}, point).seen[0].apart, 1);
+  EXPECT_EQ(view_slots<double>({one, behind}, point, turned).leader[0], 0);
+  EXPECT_EQ(view_slots<double>({one, behind}, point, turned).seen[0].apart, 1);
+  // As wide as that it sparkles in no flakes of this tilt.
+  EXPECT_EQ(view_slots<double>({one, behind}, point, 0.07).leader[0], -1);
+  EXPECT_EQ(view_slots<double>({one, behind}, point, 0.09).leader[0], 0);
 }
 
 // What has not melted is all of the fluctuation that is left, and of the mean.

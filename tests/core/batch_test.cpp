@@ -57,26 +57,27 @@ Light<double> sun(double degrees, double sine) {
 SurfacePoint<double> flat_point() { return {{}, {0, 0, 1}, {0, 0, 1}, 1e-6, 0, 0}; }
 
 TEST(Batch, LightsApartLeadThemselves) {
-  const auto slots = view_slots<double>({sun(10, 0.01), sun(-30, 0.02), sun(60, 0)}, flat_point());
+  const auto slots =
+      view_slots<double>({sun(10, 0.01), sun(-30, 0.02), sun(60, 0)}, flat_point(), 1);
   EXPECT_EQ(slots.leader, (std::array<int, kLightSlots>{0, 1, 2, -1, -1, -1, -1, -1}));
 }
 
 TEST(Batch, UnseenLightsLeadNothing) {
   const Light<double> inside{LightKind::positional, {0, 0, 0}, 1};
   const auto slots = view_slots<double>(
-      {Light<double>{}, sun(100, 0.01), sun(90.0001, 0.5), sun(20, 0.01), inside}, flat_point());
+      {Light<double>{}, sun(100, 0.01), sun(90.0001, 0.5), sun(20, 0.01), inside}, flat_point(), 1);
   EXPECT_EQ(slots.leader, (std::array<int, kLightSlots>{-1, -1, -1, 3, -1, -1, -1, -1}));
 }
 
 TEST(Batch, ARowOfLightsTooCloseIsOneGroup) {
   // 1.15 degrees of radius each, 2 degrees apart: each overlaps the next only.
   const auto slots = view_slots<double>(
-      {sun(0, 0.02), sun(2, 0.02), sun(4, 0.02), sun(5.9, 0.02), sun(30, 0.02)}, flat_point());
+      {sun(0, 0.02), sun(2, 0.02), sun(4, 0.02), sun(5.9, 0.02), sun(30, 0.02)}, flat_point(), 1);
   EXPECT_EQ(slots.leader, (std::array<int, kLightSlots>{0, 0, 0, 0, 4, -1, -1, -1}));
 }
 
 TEST(Batch, LightBelowTheHorizonDoesNotLeadItsNeighbour) {
-  const auto slots = view_slots<double>({sun(90.01, 0.05), sun(89.9, 0.05)}, flat_point());
+  const auto slots = view_slots<double>({sun(90.01, 0.05), sun(89.9, 0.05)}, flat_point(), 1);
   EXPECT_EQ(slots.leader[0], -1);
   EXPECT_EQ(slots.leader[1], 1);
 }
@@ -208,7 +209,7 @@ TEST(Batch, ManyPixelsAtOnceAreBitForBitWhatEachIsAlone) {
     const PixelResults expected = alone.results();
     for (std::size_t i = 0; i < n; ++i) {
       const SurfacePoint<float> point = point_at<float>(batch, i);
-      const SlotView<float> view = view_slots(slots, point);
+      const SlotView<float> view = view_slots(slots, point, turned_by(layer));
       store_pixel(expected, i, slots.size(), species, view.leader, [&](std::size_t light) {
         const Rgb<float> slant = vector_at<float>(arrays.slant.data(), i * slots.size() + light);
         const auto way =

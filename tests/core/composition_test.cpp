@@ -116,4 +116,27 @@ TEST(Composition, TheSmoothHighlightIsTheLightsDisc) {
   EXPECT_EQ(highlight<double>(n, view, {0.6, 0, -0.8}, sin2_half, 0.3, 0.04), 0);
 }
 
+TEST(Composition, TheSmoothHighlightFadesAtItsRimAndIsAsMuchInAll) {
+  const Vec3<double> up{0, 0, 1};
+  for (double sin2_half : {0.0, 5e-6, 1.9e-5, 2e-5, 1e-4, 1e-2}) {
+    const double disc = std::max(sin2_half, kLeastImage);
+    const double brightest = 1 / (4 * std::numbers::pi * disc);
+    double sum = 0, before = brightest, steepest = 0;
+    constexpr int kRings = 20000;
+    const double ring = (disc + 2 * kLeastImage) / kRings;  // sin^2 of half the angle
+    for (int i = 0; i < kRings; ++i) {
+      const double h = ring * (i + 0.5);
+      const double sine = 2 * std::sqrt(h * (1 - h));
+      const double seen = highlight<double>(up, up, {sine, 0, 1 - 2 * h}, sin2_half, 0, 1.0);
+      sum += seen * 4 * std::numbers::pi * ring;
+      EXPECT_LE(seen, before * (1 + 1e-12));
+      steepest = std::max(steepest, before - seen);
+      before = seen;
+    }
+    EXPECT_NEAR(sum, 1, 1e-3) << sin2_half;
+    EXPECT_EQ(before, 0);
+    EXPECT_LE(steepest, brightest * (ring / (2 * kLeastImage)) * 1.01) << "a step " << sin2_half;
+  }
+}
+
 }  // namespace

@@ -312,7 +312,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   surface.slant = osl::slant_depth_of(shader_layer, library, surface.cos_in, surface.areas);
   same("slant to the observer", surface.slant, slant_depth_of(layer, surface.cos_in));
 
-  const SlotView<float> slots = view_slots(scene.lights, point);
+  const SlotView<float> slots = view_slots(scene.lights, point, turned_by(layer));
   std::array<osl::SeenLight, 8> seen;
   std::array<int, 8> leader, slot;
   int lights = 0;
@@ -336,7 +336,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   }
   std::array<float, 64> between;
   if (osl::angles_between(seen, lights, between)) osl::group_lights(seen, between, leader, lights);
-  osl::admit_melting(seen, between, leader, lights);
+  osl::admit_melting(seen, between, leader, lights, osl::turned_by(shader_layer));
 
   // The flakes that are seen themselves.
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
