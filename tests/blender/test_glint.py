@@ -96,8 +96,9 @@ def principled() -> bpy.types.Material:
 def test_few_samples_find_the_suns_image(body: object) -> None:
     """The light of the region is as sure as a Principled coat's, and in most shots it is there.
 
-    In the ball, 16 samples of a pixel of 2 mm missed the image in one shot of twelve: so they do in
-    five of eight with a probability of 2e-4. As small as the sun it is missed in half of them.
+    In the ball, 16 samples of a pixel of 2 mm missed the image in none of 192 shots, so in one of 60
+    at most: in three of eight with a probability of 2e-4. With a hard rim one of 20 was missed, as
+    small as the sun half of them.
     """
     random = seeds.fresh(660)
     thing = stage(body)
@@ -111,4 +112,4 @@ def test_few_samples_find_the_suns_image(body: object) -> None:
     around = np.median(converged)
     assert converged.max() > 4 * around
     there = (few > 3 * around).any(axis=(1, 2))
-    assert there.sum() > SHOTS - 5
+    assert there.sum() > SHOTS - 3
