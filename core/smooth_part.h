@@ -60,26 +60,35 @@ T masking_lambda(T square) {
   return ((T(0.396) * a - T(1.259)) * a + 1) / ((T(2.181) * a + T(3.535)) * a);
 }
 
+template <class T>
+T masking_square(const Facets<T>& facets, Vec3<T> across, Vec3<T> to) {
+  const T x = dot(to, facets.along) * facets.alpha_x, y = dot(to, across) * facets.alpha_y;
+  const T z = dot(to, facets.normal);
+  return (x * x + y * y) / max(z * z, T(1e-12));
+}
+
+// 1 + Lambda + Lambda' of the view and a light.
+template <class T>
+T masked_by(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
+  const Vec3<T> across = cross(facets.normal, facets.along);
+  return 1 + masking_lambda(masking_square(facets, across, view)) +
+         masking_lambda(masking_square(facets, across, light));
+}
+
 // BRDF times cos(theta') of facets that reflect all, as Cycles evaluates them.
 template <class T>
 T facets_show(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
   const Vec3<T> across = cross(facets.normal, facets.along);
   const T view_z = dot(view, facets.normal), light_z = dot(light, facets.normal);
   if (!(view_z > 0 && light_z > 0)) return 0;
-  const T view_x = dot(view, facets.along) * facets.alpha_x,
-          view_y = dot(view, across) * facets.alpha_y;
-  const T light_x = dot(light, facets.along) * facets.alpha_x,
-          light_y = dot(light, across) * facets.alpha_y;
-  const T area = facets.alpha_x * facets.alpha_y;
-  const T half_z = view_z + light_z;
-  const T x = (view_x + light_x) / (facets.alpha_x * facets.alpha_x * half_z);
-  const T y = (view_y + light_y) / (facets.alpha_y * facets.alpha_y * half_z);
   const Vec3<T> half = view + light;
+  const T half_z = view_z + light_z;
+  const T x = dot(half, facets.along) / (facets.alpha_x * half_z);
+  const T y = dot(half, across) / (facets.alpha_y * half_z);
+  const T area = facets.alpha_x * facets.alpha_y;
   const T cos2 = half_z * half_z / dot(half, half);
-  const T masked = 1 + masking_lambda((view_x * view_x + view_y * view_y) / (view_z * view_z)) +
-                   masking_lambda((light_x * light_x + light_y * light_y) / (light_z * light_z));
   return exponential(-(x * x + y * y)) /
-         (std::numbers::pi_v<T> * area * cos2 * cos2 * masked * 4 * view_z);
+         (std::numbers::pi_v<T> * area * cos2 * cos2 * masked_by(facets, view, light) * 4 * view_z);
 }
 
 // How ln facets_show falls about a light, its masking left out. With x and y the slope of the half
@@ -214,7 +223,8 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     if (i == 3) half = half + across;
     if (i == 4) half = half + along * T(2);
     if (i == 5) half = half + across * T(2);
-    light[i] = half * (2 * dot(half, view) / dot(half, half)) - view;
+    const T steepness = dot(half, half);  // 1 over the square of its cosine to the guess's normal
+    light[i] = half * (2 * dot(half, view) / steepness) - view;
     const T cos_light = min(dot(normal, light[i]), T(1));
     falls[i] = 0;
     if (!(cos_light > T(kLeastRise))) {
@@ -227,12 +237,11 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
       depth = slant_depth_of(layer, cos_light_in) * cos_light_in;
     }
     shown[i] = flakes_show(layer, flakes, normal, view, light[i], slant_view, depth);
-    const T ratio =
-        (shown[i].x + shown[i].y + shown[i].z) / max(facets_show(guess, view, light[i]), T(1e-30));
+    const T ratio = (shown[i].x + shown[i].y + shown[i].z) * masked_by(guess, view, light[i]) /
+                    (steepness * steepness);
     if (i == 0) middle = ratio;
     if (!(middle > 0)) return {};
-    const T gaussian = i == 0 ? T(0) : i < 4 ? T(1) : T(4);
-    falls[i] = gaussian - logarithm(clamp(ratio / middle, T(1e-6), T(1e6)));
+    falls[i] = -logarithm(clamp(ratio / middle, T(1e-6), T(1e6)));
   }
 
   // The wide lobe.

@@ -45,6 +45,21 @@ float masking_lambda(float square)
   return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
 }
 
+float masking_square(Facets facets, vector across, vector to)
+{
+  float x = inner_product(to, facets.along) * facets.alpha_x;
+  float y = inner_product(to, across) * facets.alpha_y;
+  float z = inner_product(to, facets.facing);
+  return (x * x + y * y) / max(z * z, 1e-12);
+}
+
+float masked_by(Facets facets, vector view, vector light)
+{
+  vector across = cross(facets.facing, facets.along);
+  return 1.0 + masking_lambda(masking_square(facets, across, view)) +
+         masking_lambda(masking_square(facets, across, light));
+}
+
 float facets_show(Facets facets, vector view, vector light)
 {
   vector across = cross(facets.facing, facets.along);
@@ -52,19 +67,14 @@ float facets_show(Facets facets, vector view, vector light)
   float light_z = inner_product(light, facets.facing);
   if (!(view_z > 0.0 && light_z > 0.0))
     return 0.0;
-  float view_x = inner_product(view, facets.along) * facets.alpha_x;
-  float view_y = inner_product(view, across) * facets.alpha_y;
-  float light_x = inner_product(light, facets.along) * facets.alpha_x;
-  float light_y = inner_product(light, across) * facets.alpha_y;
-  float area = facets.alpha_x * facets.alpha_y;
-  float half_z = view_z + light_z;
-  float x = (view_x + light_x) / (facets.alpha_x * facets.alpha_x * half_z);
-  float y = (view_y + light_y) / (facets.alpha_y * facets.alpha_y * half_z);
   vector half = view + light;
+  float half_z = view_z + light_z;
+  float x = inner_product(half, facets.along) / (facets.alpha_x * half_z);
+  float y = inner_product(half, across) / (facets.alpha_y * half_z);
+  float area = facets.alpha_x * facets.alpha_y;
   float cos2 = half_z * half_z / inner_product(half, half);
-  float masked = 1.0 + masking_lambda((view_x * view_x + view_y * view_y) / (view_z * view_z)) +
-                 masking_lambda((light_x * light_x + light_y * light_y) / (light_z * light_z));
-  return exponential(-(x * x + y * y)) / (M_PI * area * cos2 * cos2 * masked * 4.0 * view_z);
+  return exponential(-(x * x + y * y)) /
+         (M_PI * area * cos2 * cos2 * masked_by(facets, view, light) * 4.0 * view_z);
 }
 
 struct FacetsFall {
@@ -199,7 +209,8 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
       half = half + along * 2.0;
     if (i == 5)
       half = half + across * 2.0;
-    light[i] = half * (2.0 * inner_product(half, view) / inner_product(half, half)) - view;
+    float steepness = inner_product(half, half);
+    light[i] = half * (2.0 * inner_product(half, view) / steepness) - view;
     float cos_light = min(inner_product(n, light[i]), 1.0);
     falls[i] = 0.0;
     shown[i] = color(0.0);
@@ -214,13 +225,12 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
       depth = slant_depth_of(layer, library, cos_light_in) * cos_light_in;
     }
     shown[i] = flakes_show(layer, some, library, n, view, light[i], surface.slant, depth);
-    float ratio = (shown[i][0] + shown[i][1] + shown[i][2]) / max(facets_show(guess, view, light[i]), 1e-30);
+    float ratio = (shown[i][0] + shown[i][1] + shown[i][2]) * masked_by(guess, view, light[i]) / (steepness * steepness);
     if (i == 0)
       middle = ratio;
     if (!(middle > 0.0))
       return none;
-    float gaussian = i == 0 ? 0.0 : i < 4 ? 1.0 : 4.0;
-    falls[i] = gaussian - logarithm(clamp(ratio / middle, 1e-6, 1e6));
+    falls[i] = -logarithm(clamp(ratio / middle, 1e-6, 1e6));
   }
 
   float fall_x = clamp(0.5 * (falls[1] + falls[2]), 0.34, 4.0);

@@ -96,9 +96,9 @@ def principled() -> bpy.types.Material:
 def test_few_samples_find_the_suns_image(body: object) -> None:
     """The light of the region is as sure as a Principled coat's, and in most shots it is there.
 
-    In the ball, 16 samples of a pixel of 2 mm missed the image in none of 192 shots, so in one of 60
-    at most: in three of eight with a probability of 2e-4. With a hard rim one of 20 was missed, as
-    small as the sun half of them.
+    In the ball, 16 samples of a pixel of 2 mm missed the image in none of 192 shots, so in one of
+    60 at most: in three of eight with a probability of 2e-4. With a hard rim one of 20 was missed,
+    as small as the sun half of them.
     """
     random = seeds.fresh(660)
     thing = stage(body)
