@@ -82,6 +82,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
          *to_bent = bent.mutable_data();
   interruptible([&](const std::stop_token& stop) {
     const Layer<double> layer = layer_under(prepared->as_double, places.batch());
+    const double turned = turned_by(layer);
     const auto shade_one = [&](std::size_t i) {
       if (!places.has_surface(i)) return;
       const SurfacePoint<double> point = places.point(i);
@@ -94,7 +95,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
       store(to_glossy, i, stack.glossy);
       store(to_returned, i, stack.returned);
       store(to_bent, i, stack.coat_normal);
-      const SlotView<double> slots = view_slots(lights, point, turned_by(layer));
+      const SlotView<double> slots = view_slots(lights, point, turned);
       const auto firsts = look_close(layer, stack.at, paint.frame, paint.seed);
       std::array<PixelSparkles<double>, kLightSlots> drawn;
       for (std::size_t k = 0; k < lights.size(); ++k) {

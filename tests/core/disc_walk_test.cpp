@@ -271,8 +271,8 @@ TEST(DiscWalk, SingleMirroringIsThatOfTracedDiscs) {
 
 // Of light that the substrate scatters straight back, exp(c k) times as much as by ways that share
 // nothing (hot_spot.h): of level flakes but for tilts up to 0.2, also through two species. What the
-// closed form errs is the scenes', and one run of fresh ones in twelve errs by more than the bar,
-// by 0.059 at most (100 runs). So these are the same in each run.
+// closed form errs is the scenes', and 4 of 50 runs of fresh ones err by more than the bar, by
+// 0.059 at most. So these are the same in each run.
 TEST(DiscWalk, TheSubstrateIsSeenByTheHolesItsLightComesBy) {
   Random random = same_scenes(1705);
   Worst worst;
