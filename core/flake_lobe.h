@@ -205,9 +205,9 @@ Rgb<T> leave_beside(MirroredSample<T>& sample, const SmoothPart<T>& part, Vec3<T
   if (!(sample.density > 0)) return {};
   const Rgb<T> whole = sample.weight;
   const Rgb<T> narrow =
-      part.narrow.weight * (facets_show(part.narrow, view, sample.direction) / sample.density);
+      part.narrow.weight * (facets_show(part.narrow, sample.direction) / sample.density);
   const Rgb<T> wide =
-      part.wide.weight * (facets_show(part.wide, view, sample.direction) / sample.density);
+      part.wide.weight * (facets_show(part.wide, sample.direction) / sample.density);
   const Rgb<T> all = whole - narrow - wide;
   T by_narrow = 0, by_wide = 0, after = 0;
   const auto left = [&](T rest, T from, T narrow_shows, T wide_shows) {

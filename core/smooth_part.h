@@ -41,9 +41,11 @@ namespace metallic_paint {
 
 template <class T>
 struct Facets {
-  Vec3<T> normal{}, along{};  // of the facets, and the direction of alpha_x
+  Vec3<T> normal{}, along{}, across{};  // of the facets, and the directions of alpha_x and alpha_y
   T alpha_x{}, alpha_y{};
-  Rgb<T> weight{};  // of the lobe; 0: there is none
+  T view_along{}, view_up{};  // of the view by `along` and `normal`; `across` is normal to it
+  T unmasked{};               // 1 + Lambda of the view, Smith's
+  Rgb<T> weight{};            // of the lobe; 0: there is none
 };
 
 template <class T>
@@ -60,35 +62,26 @@ T masking_lambda(T square) {
   return ((T(0.396) * a - T(1.259)) * a + 1) / ((T(2.181) * a + T(3.535)) * a);
 }
 
+// The square, of a direction that goes so far along, across and up.
 template <class T>
-T masking_square(const Facets<T>& facets, Vec3<T> across, Vec3<T> to) {
-  const T x = dot(to, facets.along) * facets.alpha_x, y = dot(to, across) * facets.alpha_y;
-  const T z = dot(to, facets.normal);
-  return (x * x + y * y) / max(z * z, T(1e-12));
-}
-
-// 1 + Lambda + Lambda' of the view and a light.
-template <class T>
-T masked_by(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
-  const Vec3<T> across = cross(facets.normal, facets.along);
-  return 1 + masking_lambda(masking_square(facets, across, view)) +
-         masking_lambda(masking_square(facets, across, light));
+T masking_square(const Facets<T>& facets, T along, T across, T up) {
+  const T x = along * facets.alpha_x, y = across * facets.alpha_y;
+  return (x * x + y * y) / max(up * up, T(1e-12));
 }
 
 // BRDF times cos(theta') of facets that reflect all, as Cycles evaluates them.
 template <class T>
-T facets_show(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
-  const Vec3<T> across = cross(facets.normal, facets.along);
-  const T view_z = dot(view, facets.normal), light_z = dot(light, facets.normal);
-  if (!(view_z > 0 && light_z > 0)) return 0;
-  const Vec3<T> half = view + light;
-  const T half_z = view_z + light_z;
-  const T x = dot(half, facets.along) / (facets.alpha_x * half_z);
-  const T y = dot(half, across) / (facets.alpha_y * half_z);
-  const T area = facets.alpha_x * facets.alpha_y;
-  const T cos2 = half_z * half_z / dot(half, half);
-  return exponential(-(x * x + y * y)) /
-         (std::numbers::pi_v<T> * area * cos2 * cos2 * masked_by(facets, view, light) * 4 * view_z);
+T facets_show(const Facets<T>& facets, Vec3<T> light) {
+  const T up = dot(light, facets.normal);
+  if (!(facets.view_up > 0 && up > 0)) return 0;
+  const T along = dot(light, facets.along), across = dot(light, facets.across);
+  const T masked = facets.unmasked + masking_lambda(masking_square(facets, along, across, up));
+  const T half_along = facets.view_along + along, half_up = facets.view_up + up;
+  const T x = half_along / facets.alpha_x, y = across / facets.alpha_y;
+  const T per_up2 = 1 / max(half_up * half_up, T(1e-12));
+  const T per_cos2 = (half_along * half_along + across * across) * per_up2 + 1;
+  return exponential(-(x * x + y * y) * per_up2) * per_cos2 * per_cos2 /
+         (4 * std::numbers::pi_v<T> * facets.alpha_x * facets.alpha_y * facets.view_up * masked);
 }
 
 // How ln facets_show falls about a light, its masking left out. With x and y the slope of the half
@@ -101,13 +94,12 @@ struct FacetsFall {
 
 template <class T>
 FacetsFall<T> facets_fall(const Facets<T>& facets, Vec3<T> view, Vec3<T> light) {
-  const Vec3<T> across = cross(facets.normal, facets.along);
   const Vec3<T> half = view + light;
   const T half_z = dot(half, facets.normal);
-  const T x = dot(half, facets.along) / half_z, y = dot(half, across) / half_z;
+  const T x = dot(half, facets.along) / half_z, y = dot(half, facets.across) / half_z;
   FacetsFall<T> fall;
   fall.x = (facets.along - facets.normal * x) / (facets.alpha_x * half_z);
-  fall.y = (across - facets.normal * y) / (facets.alpha_y * half_z);
+  fall.y = (facets.across - facets.normal * y) / (facets.alpha_y * half_z);
   fall.gradient = half * (4 / dot(half, half)) - facets.normal * (4 / half_z) -
                   fall.x * (2 * x / facets.alpha_x) - fall.y * (2 * y / facets.alpha_y);
   return fall;
@@ -120,33 +112,83 @@ T bend_along(const FacetsFall<T>& fall, Vec3<T> tangent) {
   return -2 * (x * x + y * y);
 }
 
-// f cos(theta') of one species (flake_brdf.h). Optical depths: towards the observer, and of the way
-// out at cos = 1, which stands for that at any angle.
+// What f cos(theta') of one species has by the view alone.
 template <class T>
-Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal, Vec3<T> view,
-                   Vec3<T> light, Rgb<T> slant_view, Rgb<T> depth) {
-  const Mirror<T> mirror = mirror_between(normal, view, light, layer.eta);
-  if (!mirror.possible) return {};
-  const T apart = ways_apart(normal, view, mirror.cos_view, mirror.g_view, light, mirror.cos_light,
-                             mirror.g_light);
-  const Rgb<T> slant =
-      there_and_back(layer, slant_view, depth * (layer.eta / mirror.g_light), apart);
-  const T exit =
-      layer.radiometry == Radiometry::published ? layer.eta * mirror.cos_view : mirror.g_view;
-  const T surface = fresnel_transmittance(mirror.cos_view, mirror.g_view, layer.eta) *
-                    fresnel_transmittance(mirror.cos_light, mirror.g_light, layer.eta);
-  return coating_reflectance(flakes.coating, mirror.cos_alpha) *
-         map(slant, [](T x) { return mean_transmittance(x); }) *
-         (flakes.coverage * orientation_density(flakes.orientation, mirror.sin2_half_beta) *
-          surface * mirror.cos_light / (8 * std::numbers::pi_v<T> * exit * mirror.g_light));
+struct FlakesSeen {
+  Vec3<T> normal, tangent;  // of the surface; and what of the view lies along it
+  T g;
+  T factor;
+  Rgb<T> slant;
+};
+
+template <class T>
+FlakesSeen<T> flakes_seen(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
+                          Vec3<T> view, T cos_view, T g) {
+  const T exit = layer.radiometry == Radiometry::published ? layer.eta * cos_view : g;
+  return {normal, view - normal * cos_view, g,
+          flakes.coverage * fresnel_transmittance(cos_view, g, layer.eta) /
+              (8 * std::numbers::pi_v<T> * exit),
+          slant_depth_of(layer, min(g / layer.eta, T(1)))};
 }
 
-// Facets whose normal has the slope towards the observer.
+// What is found in the lobe's middle and stands for all of it: the depth of the layer on the way
+// out, and G, what both ways have in common.
 template <class T>
-Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2) {
+struct MiddleOfLobe {
+  Rgb<T> depth;  // at cos = 1
+  Rgb<T> in_common;
+};
+
+template <class T>
+MiddleOfLobe<T> middle_of_lobe(const Layer<T>& layer, const FlakesSeen<T>& seen, Vec3<T> light,
+                               T cos_light) {
+  const T g = eta_cos_refracted(cos_light, layer.eta);
+  const T cos_in = min(g / layer.eta, T(1));
+  const Rgb<T> slant = slant_depth_of(layer, cos_in);
+  MiddleOfLobe<T> middle{slant * cos_in, {}};
+  if (layer.depth_model == DepthModel::correlated) {
+    const T apart = ways_apart(seen.normal, seen.tangent, T(0), seen.g, light, cos_light, g);
+    middle.in_common =
+        map(seen.slant + slant, [&](T depth) { return share_in_common(layer, apart, depth); });
+  }
+  return middle;
+}
+
+// f cos(theta') (flake_brdf.h) for a light at this cosine.
+template <class T>
+Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, const FlakesSeen<T>& seen,
+                   const MiddleOfLobe<T>& middle, Vec3<T> light, T cos_light) {
+  const T g = eta_cos_refracted(cos_light, layer.eta);
+  if (!(g > 0)) return {};
+  const Vec3<T> tangent = seen.tangent + (light - seen.normal * cos_light);
+  const T square = dot(tangent, tangent), up = seen.g + g;
+  const T s = sqrt(square + up * up);
+  const T sin2_half_beta = min(square / (2 * s * (s + up)), T(0.5));
+  Rgb<T> slant = seen.slant + middle.depth * (layer.eta / g);
+  if (layer.depth_model == DepthModel::correlated) {
+    slant = less_in_common(layer, slant, middle.in_common);
+  }
+  return coating_reflectance(flakes.coating, min(s / (2 * layer.eta), T(1))) *
+         map(slant, [](T x) { return mean_transmittance(x); }) *
+         (seen.factor * orientation_density(flakes.orientation, sin2_half_beta) *
+          fresnel_transmittance(cos_light, g, layer.eta) * cos_light / g);
+}
+
+// Facets whose normal has the slope towards the observer, who is so far along the surface and up.
+template <class T>
+Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2, T sin_view, T cos_view) {
   const T cosine = 1 / sqrt(1 + slope * slope);
-  return {(normal + towards * slope) * cosine, (towards - normal * slope) * cosine,
-          clamp(sqrt(x2), T(1e-3), T(1)), clamp(sqrt(y2), T(1e-3), T(1))};
+  Facets<T> facets;
+  facets.normal = (normal + towards * slope) * cosine;
+  facets.along = (towards - normal * slope) * cosine;
+  facets.across = cross(normal, towards);
+  facets.alpha_x = clamp(sqrt(x2), T(1e-3), T(1));
+  facets.alpha_y = clamp(sqrt(y2), T(1e-3), T(1));
+  facets.view_along = (sin_view - slope * cos_view) * cosine;
+  facets.view_up = (cos_view + slope * sin_view) * cosine;
+  facets.unmasked =
+      1 + masking_lambda(masking_square(facets, facets.view_along, T(0), facets.view_up));
+  return facets;
 }
 
 // The wide lobe's alpha^2 over that of both, the most of its share, and the most that its middle is
@@ -174,17 +216,17 @@ T lobe_height(const OrientationDensity<T>& density) {
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
 
 // e, by f two alphas of the guess across the plane of view, and by -ln of f an alpha aside, at
-// which r^2 = 4 fall. Two steps from A = 1/1.2: e by f, A by e.
+// which r^2 = 4 fall. Two steps from A = 1/1.2: e by f, A by e, e by f.
 template <class T>
 T wide_share(T far, T fall) {
-  const T far_wide = exponential(-4 * fall / T(kWider)), near_wide = exponential(T(-1 / kWider));
-  T share = 0, steep = T(1.2);  // 1/A
-  for (int k = 0; k < 2; ++k) {
+  const T far_wide = exponential(-4 * fall / T(kWider));
+  const auto share = [&](T steep) {  // 1/A
     const T far_narrow = exponential(-4 * fall * steep);
-    share = clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
-    steep = -logarithm((exponential(T(-1)) - share * near_wide) / (1 - share));
-  }
-  return share;
+    return clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
+  };
+  const T first = share(T(1.2));
+  const T near_wide = T(0.606530659712633424L), near = T(0.367879441171442322L);  // e^-1/2, e^-1
+  return share(-logarithm((near - first * near_wide) / (1 - first)));
 }
 
 template <class T>
@@ -193,67 +235,76 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T cos_view = min(dot(normal, view), T(1));
   if (!(cos_view > T(kLeastSmooth)) || !(flakes.coverage > 0)) return {};
   const T g_view = eta_cos_refracted(cos_view, layer.eta);
+  if (!(g_view > 0)) return {};
+  const FlakesSeen<T> seen = flakes_seen(layer, flakes, normal, view, cos_view, g_view);
 
   // The first guess.
-  Vec3<T> towards = abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
-  if (cos_view < T(0.999999)) towards = view;
-  towards = towards - normal * dot(normal, towards);
+  const T sin_view = length(seen.tangent);
+  Vec3<T> towards = seen.tangent;
+  if (!(sin_view > T(1e-6))) {  // any direction does
+    towards = abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
+    towards = towards - normal * dot(normal, towards);
+  }
   towards = towards / length(towards);
   const T turned = g_view / cos_view;
   const T square = 2 * core_variance(flakes.orientation) * turned * turned;
   const T guessed_x2 = square / (1 + T(1.44) * square / (cos_view * cos_view));
   const T guessed_y2 = square / (1 + T(2.73) * square);
-  const T slope = T(1.07) * guessed_x2 * sqrt((1 - cos_view) * (1 + cos_view)) / cos_view;
-  const Facets<T> guess = facets_at(normal, towards, slope, guessed_x2, guessed_y2);
+  const T slope = T(1.07) * guessed_x2 * sin_view / cos_view;
+  const auto facets_of = [&](T by_slope, T x2, T y2) {
+    return facets_at(normal, towards, by_slope, x2, y2, sin_view, cos_view);
+  };
+  const Facets<T> guess = facets_of(slope, guessed_x2, guessed_y2);
 
-  // f in the middle, an alpha to each side and two to some, and its fall over the guess's factors.
-  const Rgb<T> slant_view = slant_depth_of(layer, min(g_view / layer.eta, T(1)));
-  Rgb<T> depth{};
-  const Vec3<T> along = guess.along * guess.alpha_x;
-  const Vec3<T> across = cross(guess.normal, guess.along) * guess.alpha_y;
+  // f in the middle, an alpha to each side and two to some; and over the guess's factors and over
+  // itself in the middle.
+  MiddleOfLobe<T> middle{};
   Vec3<T> light[6];
   Rgb<T> shown[6];
-  T falls[6];
-  T middle = 0;
+  T ratio[6];
+  T per_middle = 1;
   bool is_far_seen = true;
   for (int i = 0; i < 6; ++i) {
-    Vec3<T> half = guess.normal;
-    if (i == 1) half = half + along;
-    if (i == 2) half = half - along;
-    if (i == 3) half = half + across;
-    if (i == 4) half = half + along * T(2);
-    if (i == 5) half = half + across * T(2);
-    const T steepness = dot(half, half);  // 1 over the square of its cosine to the guess's normal
-    light[i] = half * (2 * dot(half, view) / steepness) - view;
+    // Of the half vector in the guess's frame.
+    const T x = i == 1   ? guess.alpha_x
+                : i == 2 ? -guess.alpha_x
+                : i == 4 ? 2 * guess.alpha_x
+                         : T(0);
+    const T y = i == 3 ? guess.alpha_y : i == 5 ? 2 * guess.alpha_y : T(0);
+    const Vec3<T> half = guess.normal + guess.along * x + guess.across * y;
+    const T steepness = 1 + x * x + y * y;  // 1 over the square of its cosine to the guess's normal
+    const T twice = 2 * (guess.view_up + x * guess.view_along) / steepness;
+    light[i] = half * twice - view;
     const T cos_light = min(dot(normal, light[i]), T(1));
-    falls[i] = 0;
+    ratio[i] = 1;
     if (!(cos_light > T(kLeastRise))) {
       if (i < 4) return {};
       is_far_seen = false;
       continue;
     }
+    if (i == 0) middle = middle_of_lobe(layer, seen, light[i], cos_light);
+    shown[i] = flakes_show(layer, flakes, seen, middle, light[i], cos_light);
+    const T masked =
+        guess.unmasked + masking_lambda(masking_square(guess, x * twice - guess.view_along,
+                                                       y * twice, twice - guess.view_up));
+    const T whole = (shown[i].x + shown[i].y + shown[i].z) * masked / (steepness * steepness);
     if (i == 0) {
-      const T cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, T(1));
-      depth = slant_depth_of(layer, cos_light_in) * cos_light_in;
+      if (!(whole > 0)) return {};
+      per_middle = 1 / whole;
     }
-    shown[i] = flakes_show(layer, flakes, normal, view, light[i], slant_view, depth);
-    const T ratio = (shown[i].x + shown[i].y + shown[i].z) * masked_by(guess, view, light[i]) /
-                    (steepness * steepness);
-    if (i == 0) middle = ratio;
-    if (!(middle > 0)) return {};
-    falls[i] = -logarithm(clamp(ratio / middle, T(1e-6), T(1e6)));
+    ratio[i] = clamp(whole * per_middle, T(1e-6), T(1e6));
   }
 
   // The wide lobe.
-  const T fall_x = clamp(T(0.5) * (falls[1] + falls[2]), T(0.34), T(4));
-  const T fall_y = clamp(falls[3], T(0.34), T(4));
+  const T fall_x = clamp(T(-0.5) * logarithm(ratio[1] * ratio[2]), T(0.34), T(4));
+  const T fall_y = clamp(-logarithm(ratio[3]), T(0.34), T(4));
   const T wide_x2 = T(kWider) * (guess.alpha_x * guess.alpha_x) / fall_x;
   const T wide_y2 = T(kWider) * (guess.alpha_y * guess.alpha_y) / fall_y;
   T share = 0, aside = 0;
   if (is_far_seen && max(wide_x2, wide_y2) < T(kMostSquare)) {
-    share = wide_share(exponential(-falls[5]), fall_y);
+    share = wide_share(ratio[5], fall_y);
     if (share > 0) {
-      const T lower = max(falls[4] + logarithm(share), T(0));
+      const T lower = max(logarithm(share / ratio[4]), T(0));
       aside = clamp(2 * guess.alpha_x - sqrt(wide_x2 * lower), T(-kMostAside) * guess.alpha_x,
                     T(kMostAside) * guess.alpha_x);
     }
@@ -262,28 +313,31 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   // The narrow lobe, of what that leaves.
   T left[4];
   for (int i = 0; i < 4; ++i) {
-    const T x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : T(0)) - aside;
-    const T y = i == 3 ? guess.alpha_y : T(0);
-    const T by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
-    left[i] = max(exponential(-clamp(falls[i], T(-6), T(6))) - by_wide, T(1e-3));
+    T by_wide = 0;
+    if (share > 0) {
+      const T x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : T(0)) - aside;
+      const T y = i == 3 ? guess.alpha_y : T(0);
+      by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
+    }
+    left[i] = max(clamp(ratio[i], T(2e-3), T(400)) - by_wide, T(1e-3));
   }
   const T near = -logarithm(left[1] / left[0]), away = -logarithm(left[2] / left[0]);
   const T both = near + away;
   const T turn = clamp((away - near) / (2 * max(both, T(0.4))), T(-0.7), T(0.7));
   SmoothPart<T> part;
-  part.narrow = facets_at(
-      normal, towards, max(slope + guess.alpha_x * turn, T(0)),
+  part.narrow = facets_of(
+      max(slope + guess.alpha_x * turn, T(0)),
       guess.alpha_x * guess.alpha_x / clamp(both / 2, T(0.34), T(6)),
       guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), T(0.34), T(6)));
-  if (share > 0) part.wide = facets_at(normal, towards, slope + aside, wide_x2, wide_y2);
+  if (share > 0) part.wide = facets_of(slope + aside, wide_x2, wide_y2);
 
   // As high as f lets them be: first the wide lobe beside its share of the narrow one.
   const T highest = lobe_height(flakes.orientation);
   T narrow_shows[6], wide_shows[6];
   const int points = share > 0 ? 6 : 4;
   for (int i = 0; i < points; ++i) {
-    narrow_shows[i] = facets_show(part.narrow, view, light[i]);
-    wide_shows[i] = share > 0 ? facets_show(part.wide, view, light[i]) : T(0);
+    narrow_shows[i] = facets_show(part.narrow, light[i]);
+    wide_shows[i] = share > 0 ? facets_show(part.wide, light[i]) : T(0);
   }
   if (share > 0 && narrow_shows[0] > 0 && wide_shows[0] > 0) {
     const T unit_narrow = left[0] / narrow_shows[0], unit_wide = (1 - left[0]) / wide_shows[0];
@@ -309,15 +363,15 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
 
 // What both lobes show, by the weights that they have or are given.
 template <class T>
-Rgb<T> smooth_shows(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light) {
-  return part.narrow.weight * facets_show(part.narrow, view, light) +
-         part.wide.weight * facets_show(part.wide, view, light);
+Rgb<T> smooth_shows(const SmoothPart<T>& part, Vec3<T> light) {
+  return part.narrow.weight * facets_show(part.narrow, light) +
+         part.wide.weight * facets_show(part.wide, light);
 }
 
 // Listed lights shine on the lobes too. So what those show of a light is taken from its sparkles,
 // as far as it sparkles there; of a wide light the mean over `points_within`.
 template <class T>
-Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts, Vec3<T> view,
+Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts,
                        const SeenLight<T>& light) {
   std::array<Vec3<T>, 4> towards{light.direction};
   std::array<T, 4> part{1};
@@ -336,7 +390,7 @@ Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts, Vec3<T
     T seen = 0;
     for (std::size_t k = 0; k < points; ++k) {
       seen = seen + part[k];
-      shown = shown + smooth_shows(parts[i], view, towards[k]) * part[k];
+      shown = shown + smooth_shows(parts[i], towards[k]) * part[k];
     }
     const T share =
         sparkling_share(light.breadth, light.apart, turned_by(layer.flakes[i], layer.eta));

@@ -180,8 +180,8 @@ color leave_beside(output MirroredSample mirrored, SmoothPart part, vector n, ve
   if (!(mirrored.density > 0.0))
     return color(0.0);
   color whole = mirrored.weight;
-  color narrow = part.narrow.weight * (facets_show(part.narrow, view, mirrored.direction) / mirrored.density);
-  color wide = part.wide.weight * (facets_show(part.wide, view, mirrored.direction) / mirrored.density);
+  color narrow = part.narrow.weight * (facets_show(part.narrow, mirrored.direction) / mirrored.density);
+  color wide = part.wide.weight * (facets_show(part.wide, mirrored.direction) / mirrored.density);
   color all = whole - narrow - wide;
   float shows[2] = {0.0, 0.0};
   float after = 0.0;

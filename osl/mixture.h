@@ -122,9 +122,6 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float pair[2] = {PAIR_NODE, PAIR_OTHER};
-  int points = MIXTURE_POINTS;
-  if (narrow)
-    points = 2;
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
@@ -140,12 +137,17 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
     float shown = width * min(width / FEW_FLAKES - 1.0, 1.0);
+    int points = MIXTURE_POINTS;
+    if (narrow)
+      points = 1 + piece;
     for (int i = 0; i < points; ++i) {
-      float x = node[i];
-      float part = weight[i];
-      if (narrow) {
+      float x = 0.5;
+      float part = 1.0 / points;
+      if (points == 2)
         x = pair[i];
-        part = 0.5;
+      if (!narrow) {
+        x = node[i];
+        part = weight[i];
       }
       float place = x * (2.0 - x);
       float slope = 2.0 * (1.0 - x);

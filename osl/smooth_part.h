@@ -27,8 +27,12 @@
 struct Facets {
   vector facing;  // their normal
   vector along;
+  vector across;
   float alpha_x;
   float alpha_y;
+  float view_along;
+  float view_up;
+  float unmasked;
   color weight;
 };
 
@@ -45,36 +49,29 @@ float masking_lambda(float square)
   return ((0.396 * a - 1.259) * a + 1.0) / ((2.181 * a + 3.535) * a);
 }
 
-float masking_square(Facets facets, vector across, vector to)
+float masking_square(Facets facets, float along, float across, float up)
 {
-  float x = inner_product(to, facets.along) * facets.alpha_x;
-  float y = inner_product(to, across) * facets.alpha_y;
-  float z = inner_product(to, facets.facing);
-  return (x * x + y * y) / max(z * z, 1e-12);
+  float x = along * facets.alpha_x;
+  float y = across * facets.alpha_y;
+  return (x * x + y * y) / max(up * up, 1e-12);
 }
 
-float masked_by(Facets facets, vector view, vector light)
+float facets_show(Facets facets, vector light)
 {
-  vector across = cross(facets.facing, facets.along);
-  return 1.0 + masking_lambda(masking_square(facets, across, view)) +
-         masking_lambda(masking_square(facets, across, light));
-}
-
-float facets_show(Facets facets, vector view, vector light)
-{
-  vector across = cross(facets.facing, facets.along);
-  float view_z = inner_product(view, facets.facing);
-  float light_z = inner_product(light, facets.facing);
-  if (!(view_z > 0.0 && light_z > 0.0))
+  float up = inner_product(light, facets.facing);
+  if (!(facets.view_up > 0.0 && up > 0.0))
     return 0.0;
-  vector half = view + light;
-  float half_z = view_z + light_z;
-  float x = inner_product(half, facets.along) / (facets.alpha_x * half_z);
-  float y = inner_product(half, across) / (facets.alpha_y * half_z);
-  float area = facets.alpha_x * facets.alpha_y;
-  float cos2 = half_z * half_z / inner_product(half, half);
-  return exponential(-(x * x + y * y)) /
-         (M_PI * area * cos2 * cos2 * masked_by(facets, view, light) * 4.0 * view_z);
+  float along = inner_product(light, facets.along);
+  float across = inner_product(light, facets.across);
+  float masked = facets.unmasked + masking_lambda(masking_square(facets, along, across, up));
+  float half_along = facets.view_along + along;
+  float half_up = facets.view_up + up;
+  float x = half_along / facets.alpha_x;
+  float y = across / facets.alpha_y;
+  float per_up2 = 1.0 / max(half_up * half_up, 1e-12);
+  float per_cos2 = (half_along * half_along + across * across) * per_up2 + 1.0;
+  return exponential(-(x * x + y * y) * per_up2) * per_cos2 * per_cos2 /
+         (4.0 * M_PI * facets.alpha_x * facets.alpha_y * facets.view_up * masked);
 }
 
 struct FacetsFall {
@@ -85,14 +82,13 @@ struct FacetsFall {
 
 FacetsFall facets_fall(Facets facets, vector view, vector light)
 {
-  vector across = cross(facets.facing, facets.along);
   vector half = view + light;
   float half_z = inner_product(half, facets.facing);
   float x = inner_product(half, facets.along) / half_z;
-  float y = inner_product(half, across) / half_z;
+  float y = inner_product(half, facets.across) / half_z;
   FacetsFall fall;
   fall.x = (facets.along - facets.facing * x) / (facets.alpha_x * half_z);
-  fall.y = (across - facets.facing * y) / (facets.alpha_y * half_z);
+  fall.y = (facets.across - facets.facing * y) / (facets.alpha_y * half_z);
   fall.gradient = half * (4.0 / inner_product(half, half)) - facets.facing * (4.0 / half_z) -
                   fall.x * (2.0 * x / facets.alpha_x) - fall.y * (2.0 * y / facets.alpha_y);
   return fall;
@@ -105,32 +101,79 @@ float bend_along(FacetsFall fall, vector tangent)
   return -2.0 * (x * x + y * y);
 }
 
-color flakes_show(Layer layer, Flakes some, float library[], vector n, vector view, vector light, color slant_view,
-                  color depth)
+struct FlakesSeen {
+  vector n;
+  vector tangent;
+  float g;
+  float factor;
+  color slant;
+};
+
+FlakesSeen flakes_seen(Layer layer, Flakes some, SurfacePoint surface, float cos_view, float g)
 {
-  Mirror mirror = mirror_between(n, view, light, layer.eta);
-  if (!mirror.possible)
-    return color(0.0);
-  float apart = ways_apart(n, view, mirror.cos_view, mirror.g_view, light, mirror.cos_light, mirror.g_light);
-  color slant = there_and_back(layer, slant_view, depth * (layer.eta / mirror.g_light), apart);
-  float exit = mirror.g_view;
+  float exit = g;
   if (layer.radiometry == RADIOMETRY_PUBLISHED)
-    exit = layer.eta * mirror.cos_view;
-  float through = fresnel_transmittance(mirror.cos_view, mirror.g_view, layer.eta) *
-                  fresnel_transmittance(mirror.cos_light, mirror.g_light, layer.eta);
-  return coating_reflectance(some.coating, library, mirror.cos_alpha) * mean_transmittance(slant) *
-         (some.coverage * orientation_density(some.orientation, mirror.sin2_half_beta) * through * mirror.cos_light /
-          (8.0 * M_PI * exit * mirror.g_light));
+    exit = layer.eta * cos_view;
+  FlakesSeen seen;
+  seen.n = surface.n;
+  seen.tangent = surface.view - surface.n * cos_view;
+  seen.g = g;
+  seen.factor = some.coverage * fresnel_transmittance(cos_view, g, layer.eta) / (8.0 * M_PI * exit);
+  seen.slant = surface.slant;
+  return seen;
 }
 
-Facets facets_at(vector n, vector towards, float slope, float x2, float y2)
+struct MiddleOfLobe {
+  color depth;
+  color in_common;
+};
+
+MiddleOfLobe middle_of_lobe(Layer layer, float library[], FlakesSeen seen, vector light, float cos_light)
+{
+  float g = eta_cos_refracted(cos_light, layer.eta);
+  float cos_in = min(g / layer.eta, 1.0);
+  color slant = slant_depth_of(layer, library, cos_in);
+  MiddleOfLobe middle;
+  middle.depth = slant * cos_in;
+  middle.in_common = color(0.0);
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
+    float apart = ways_apart(seen.n, seen.tangent, 0.0, seen.g, light, cos_light, g);
+    middle.in_common = share_in_common(layer, apart, seen.slant + slant);
+  }
+  return middle;
+}
+
+color flakes_show(Layer layer, Flakes some, float library[], FlakesSeen seen, MiddleOfLobe middle, vector light,
+                  float cos_light)
+{
+  float g = eta_cos_refracted(cos_light, layer.eta);
+  if (!(g > 0.0))
+    return color(0.0);
+  vector tangent = seen.tangent + (light - seen.n * cos_light);
+  float square = inner_product(tangent, tangent);
+  float up = seen.g + g;
+  float s = sqrt(square + up * up);
+  float sin2_half_beta = min(square / (2.0 * s * (s + up)), 0.5);
+  color slant = seen.slant + middle.depth * (layer.eta / g);
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED)
+    slant = less_in_common(layer, slant, middle.in_common);
+  return coating_reflectance(some.coating, library, min(s / (2.0 * layer.eta), 1.0)) * mean_transmittance(slant) *
+         (seen.factor * orientation_density(some.orientation, sin2_half_beta) *
+          fresnel_transmittance(cos_light, g, layer.eta) * cos_light / g);
+}
+
+Facets facets_at(vector n, vector towards, float slope, float x2, float y2, float sin_view, float cos_view)
 {
   float cosine = 1.0 / sqrt(1.0 + slope * slope);
   Facets facets;
   facets.facing = (n + towards * slope) * cosine;
   facets.along = (towards - n * slope) * cosine;
+  facets.across = cross(n, towards);
   facets.alpha_x = clamp(sqrt(x2), 1e-3, 1.0);
   facets.alpha_y = clamp(sqrt(y2), 1e-3, 1.0);
+  facets.view_along = (sin_view - slope * cos_view) * cosine;
+  facets.view_up = (cos_view + slope * sin_view) * cosine;
+  facets.unmasked = 1.0 + masking_lambda(masking_square(facets, facets.view_along, 0.0, facets.view_up));
   facets.weight = color(0.0);
   return facets;
 }
@@ -138,7 +181,7 @@ Facets facets_at(vector n, vector towards, float slope, float x2, float y2)
 SmoothPart no_part(vector n)
 {
   SmoothPart none;
-  none.narrow = facets_at(n, vector(0.0), 0.0, 0.0, 0.0);
+  none.narrow = facets_at(n, vector(0.0), 0.0, 0.0, 0.0, 0.0, 1.0);
   none.wide = none.narrow;
   return none;
 }
@@ -151,18 +194,17 @@ float lobe_height(OrientationDensity density)
   return 1.0 - LOWER * wide;
 }
 
+float share_of_wide(float far, float fall, float far_wide, float steep)
+{
+  float far_narrow = exponential(-4.0 * fall * steep);
+  return clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
+}
+
 float wide_share(float far, float fall)
 {
   float far_wide = exponential(-4.0 * fall / WIDER);
-  float near_wide = exponential(-1.0 / WIDER);
-  float share = 0.0;
-  float steep = 1.2;
-  for (int k = 0; k < 2; ++k) {
-    float far_narrow = exponential(-4.0 * fall * steep);
-    share = clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
-    steep = -logarithm((exponential(-1.0) - share * near_wide) / (1.0 - share));
-  }
-  return share;
+  float first = share_of_wide(far, fall, far_wide, 1.2);
+  return share_of_wide(far, fall, far_wide, -logarithm((0.36787944 - first * 0.60653066) / (1.0 - first)));
 }
 
 SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint surface)
@@ -174,45 +216,51 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   if (!(cos_view > LEAST_SMOOTH) || !(some.coverage > 0.0))
     return none;
   float g_view = eta_cos_refracted(cos_view, layer.eta);
+  if (!(g_view > 0.0))
+    return none;
+  FlakesSeen seen = flakes_seen(layer, some, surface, cos_view, g_view);
 
-  vector towards = vector(0.0, 1.0, 0.0);
-  if (fabs(n[0]) < 0.6)
-    towards = vector(1.0, 0.0, 0.0);
-  if (cos_view < 0.999999)
-    towards = view;
-  towards = towards - n * inner_product(n, towards);
+  float sin_view = sqrt(inner_product(seen.tangent, seen.tangent));
+  vector towards = seen.tangent;
+  if (!(sin_view > 1e-6)) {
+    towards = vector(0.0, 1.0, 0.0);
+    if (fabs(n[0]) < 0.6)
+      towards = vector(1.0, 0.0, 0.0);
+    towards = towards - n * inner_product(n, towards);
+  }
   towards = towards / sqrt(inner_product(towards, towards));
   float turned = g_view / cos_view;
   float square = 2.0 * core_variance(some.orientation) * turned * turned;
   float guessed_x2 = square / (1.0 + 1.44 * square / (cos_view * cos_view));
   float guessed_y2 = square / (1.0 + 2.73 * square);
-  float slope = 1.07 * guessed_x2 * sqrt((1.0 - cos_view) * (1.0 + cos_view)) / cos_view;
-  Facets guess = facets_at(n, towards, slope, guessed_x2, guessed_y2);
+  float slope = 1.07 * guessed_x2 * sin_view / cos_view;
+  Facets guess = facets_at(n, towards, slope, guessed_x2, guessed_y2, sin_view, cos_view);
 
-  vector along = guess.along * guess.alpha_x;
-  vector across = cross(guess.facing, guess.along) * guess.alpha_y;
+  MiddleOfLobe middle;
   vector light[6];
   color shown[6];
-  float falls[6];
-  float middle = 0.0;
+  float ratio[6];
+  float per_middle = 1.0;
   int is_far_seen = 1;
-  color depth = color(0.0);
   for (int i = 0; i < 6; ++i) {
-    vector half = guess.facing;
+    float x = 0.0;
+    float y = 0.0;
     if (i == 1)
-      half = half + along;
+      x = guess.alpha_x;
     if (i == 2)
-      half = half - along;
+      x = -guess.alpha_x;
     if (i == 3)
-      half = half + across;
+      y = guess.alpha_y;
     if (i == 4)
-      half = half + along * 2.0;
+      x = 2.0 * guess.alpha_x;
     if (i == 5)
-      half = half + across * 2.0;
-    float steepness = inner_product(half, half);
-    light[i] = half * (2.0 * inner_product(half, view) / steepness) - view;
+      y = 2.0 * guess.alpha_y;
+    vector half = guess.facing + guess.along * x + guess.across * y;
+    float steepness = 1.0 + x * x + y * y;
+    float twice = 2.0 * (guess.view_up + x * guess.view_along) / steepness;
+    light[i] = half * twice - view;
     float cos_light = min(inner_product(n, light[i]), 1.0);
-    falls[i] = 0.0;
+    ratio[i] = 1.0;
     shown[i] = color(0.0);
     if (!(cos_light > LEAST_RISE)) {
       if (i < 4)
@@ -220,29 +268,30 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
       is_far_seen = 0;
       continue;
     }
-    if (i == 0) {
-      float cos_light_in = min(eta_cos_refracted(cos_light, layer.eta) / layer.eta, 1.0);
-      depth = slant_depth_of(layer, library, cos_light_in) * cos_light_in;
-    }
-    shown[i] = flakes_show(layer, some, library, n, view, light[i], surface.slant, depth);
-    float ratio = (shown[i][0] + shown[i][1] + shown[i][2]) * masked_by(guess, view, light[i]) / (steepness * steepness);
     if (i == 0)
-      middle = ratio;
-    if (!(middle > 0.0))
-      return none;
-    falls[i] = -logarithm(clamp(ratio / middle, 1e-6, 1e6));
+      middle = middle_of_lobe(layer, library, seen, light[i], cos_light);
+    shown[i] = flakes_show(layer, some, library, seen, middle, light[i], cos_light);
+    float masked = guess.unmasked + masking_lambda(masking_square(guess, x * twice - guess.view_along, y * twice,
+                                                                  twice - guess.view_up));
+    float whole = (shown[i][0] + shown[i][1] + shown[i][2]) * masked / (steepness * steepness);
+    if (i == 0) {
+      if (!(whole > 0.0))
+        return none;
+      per_middle = 1.0 / whole;
+    }
+    ratio[i] = clamp(whole * per_middle, 1e-6, 1e6);
   }
 
-  float fall_x = clamp(0.5 * (falls[1] + falls[2]), 0.34, 4.0);
-  float fall_y = clamp(falls[3], 0.34, 4.0);
+  float fall_x = clamp(-0.5 * logarithm(ratio[1] * ratio[2]), 0.34, 4.0);
+  float fall_y = clamp(-logarithm(ratio[3]), 0.34, 4.0);
   float wide_x2 = WIDER * (guess.alpha_x * guess.alpha_x) / fall_x;
   float wide_y2 = WIDER * (guess.alpha_y * guess.alpha_y) / fall_y;
   float share = 0.0;
   float aside = 0.0;
   if (is_far_seen && max(wide_x2, wide_y2) < MOST_SQUARE) {
-    share = wide_share(exponential(-falls[5]), fall_y);
+    share = wide_share(ratio[5], fall_y);
     if (share > 0.0) {
-      float lower = max(falls[4] + logarithm(share), 0.0);
+      float lower = max(logarithm(share / ratio[4]), 0.0);
       aside = clamp(2.0 * guess.alpha_x - sqrt(wide_x2 * lower), -MOST_ASIDE * guess.alpha_x,
                     MOST_ASIDE * guess.alpha_x);
     }
@@ -250,10 +299,13 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
 
   float left[4];
   for (int i = 0; i < 4; ++i) {
-    float x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : 0.0) - aside;
-    float y = i == 3 ? guess.alpha_y : 0.0;
-    float by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
-    left[i] = max(exponential(-clamp(falls[i], -6.0, 6.0)) - by_wide, 1e-3);
+    float by_wide = 0.0;
+    if (share > 0.0) {
+      float x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : 0.0) - aside;
+      float y = i == 3 ? guess.alpha_y : 0.0;
+      by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
+    }
+    left[i] = max(clamp(ratio[i], 2e-3, 400.0) - by_wide, 1e-3);
   }
   float near = -logarithm(left[1] / left[0]);
   float away = -logarithm(left[2] / left[0]);
@@ -262,19 +314,20 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   SmoothPart part = none;
   part.narrow = facets_at(n, towards, max(slope + guess.alpha_x * turn, 0.0),
                           guess.alpha_x * guess.alpha_x / clamp(both / 2.0, 0.34, 6.0),
-                          guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), 0.34, 6.0));
+                          guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), 0.34, 6.0), sin_view,
+                          cos_view);
   if (share > 0.0)
-    part.wide = facets_at(n, towards, slope + aside, wide_x2, wide_y2);
+    part.wide = facets_at(n, towards, slope + aside, wide_x2, wide_y2, sin_view, cos_view);
 
   float highest = lobe_height(some.orientation);
   float narrow_shows[6];
   float wide_shows[6];
   int points = share > 0.0 ? 6 : 4;
   for (int i = 0; i < points; ++i) {
-    narrow_shows[i] = facets_show(part.narrow, view, light[i]);
+    narrow_shows[i] = facets_show(part.narrow, light[i]);
     wide_shows[i] = 0.0;
     if (share > 0.0)
-      wide_shows[i] = facets_show(part.wide, view, light[i]);
+      wide_shows[i] = facets_show(part.wide, light[i]);
   }
   if (share > 0.0 && narrow_shows[0] > 0.0 && wide_shows[0] > 0.0) {
     float unit_narrow = left[0] / narrow_shows[0];
@@ -302,13 +355,12 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   return part;
 }
 
-color smooth_shows(SmoothPart part, vector view, vector light)
+color smooth_shows(SmoothPart part, vector light)
 {
-  return part.narrow.weight * facets_show(part.narrow, view, light) +
-         part.wide.weight * facets_show(part.wide, view, light);
+  return part.narrow.weight * facets_show(part.narrow, light) + part.wide.weight * facets_show(part.wide, light);
 }
 
-color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], vector view, SeenLight light, int flat)
+color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], SeenLight light, int flat)
 {
   color sum = color(0.0);
   vector towards[4];
@@ -326,7 +378,7 @@ color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], vector view, SeenL
     float seen = 0.0;
     for (int k = 0; k < points; ++k) {
       seen = seen + part[k];
-      shown = shown + smooth_shows(of_species, view, towards[k]) * part[k];
+      shown = shown + smooth_shows(of_species, towards[k]) * part[k];
     }
     Flakes some = flakes_of(layer, i);
     float share = sparkling_share(light.breadth, light.apart, turned_by(some, layer.eta));

@@ -537,10 +537,10 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
         shader_parts.fill(shader_part);
         for (int i = 0; i < lights; ++i) {
           const auto at = static_cast<std::size_t>(i);
-          const Rgb<float> lobes = smooth_sparkles(layer, parts.data(), point.view,
-                                                   slots.seen[static_cast<std::size_t>(slot[at])]);
+          const Rgb<float> lobes =
+              smooth_sparkles(layer, parts.data(), slots.seen[static_cast<std::size_t>(slot[at])]);
           same("the lobes' part of sparkles",
-               osl::smooth_sparkles(shader_layer, shader_parts, surface.view, seen[at], 1), lobes);
+               osl::smooth_sparkles(shader_layer, shader_parts, seen[at], 1), lobes);
           const Rgb<float> some = lobes * 0.5f, around = grey(lobes.x);
           same("what of the lobes may be shown",
                osl::may_show(to_osl(lobes), to_osl(some), to_osl(around)),

@@ -52,7 +52,7 @@ Shares shares(const TestScene& scene) {
   Rgb<double> all{}, shown{}, beyond{};
   over_half_sphere([&](Vec3<double> light, double cosine) {
     const Rgb<double> f = flake_brdf(layer, scene.normal, scene.view, light) * cosine;
-    const Rgb<double> g = smooth_shows(part, scene.view, light);
+    const Rgb<double> g = smooth_shows(part, light);
     all = all + f;
     shown = shown + Rgb<double>{std::min(f.x, g.x), std::min(f.y, g.y), std::min(f.z, g.z)};
     beyond = beyond + map(g - f, [](double x) { return std::max(x, 0.0); });
@@ -118,14 +118,14 @@ TEST(SmoothPart, TheFacetsFallIsTheirLogarithmsGradient) {
     const double rise = dot(light, facets.normal), most = std::max(facets.alpha_x, facets.alpha_y);
     if (!(facets.weight.y > 0 && rise > 0.1 && most * most * (1 / (rise * rise) - 1) < 0.38))
       continue;
-    if (!(facets_show(facets, scene.view, light) > 1e-200)) continue;
+    if (!(facets_show(facets, light) > 1e-200)) continue;
     ++judged;
     const Vec3<double> across = level_across(scene.normal, light);
     const FacetsFall<double> fall = facets_fall(facets, scene.view, light);
     for (const Vec3<double>& tangent : {across, cross(light, across)}) {
       const auto log_at = [&](double step) {
         const Vec3<double> moved = light + tangent * step;
-        return std::log(facets_show(facets, scene.view, moved / length(moved)));
+        return std::log(facets_show(facets, moved / length(moved)));
       };
       const double found = (log_at(kStep) - log_at(-kStep)) / (2 * kStep);
       const double scale = length(fall.gradient) + 1 / std::min(facets.alpha_x, facets.alpha_y);
@@ -155,8 +155,8 @@ TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) {
       const double area = std::numbers::pi / (kRings * kRings);
       exact[ring_of(scene, light)] +=
           flake_brdf(layer, scene.normal, scene.view, light).y * cosine * area;
-      lobe[ring_of(scene, light)] += smooth_shows(part, scene.view, light).y * area;
-      shape[ring_of(scene, light)] += facets_show(part.narrow, scene.view, light) * area;
+      lobe[ring_of(scene, light)] += smooth_shows(part, light).y * area;
+      shape[ring_of(scene, light)] += facets_show(part.narrow, light) * area;
     });
     for (int i = 0; i < kSamples; ++i) {
       auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
