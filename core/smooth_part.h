@@ -44,7 +44,7 @@ struct Facets {
   Vec3<T> normal{}, along{}, across{};  // of the facets, and the directions of alpha_x and alpha_y
   T alpha_x{}, alpha_y{};
   T view_along{}, view_up{};  // of the view by `along` and `normal`; `across` is normal to it
-  T unmasked{};               // 1 + Lambda of the view, Smith's
+  T view_masked{};            // 1 + Lambda of the view, Smith's
   Rgb<T> weight{};            // of the lobe; 0: there is none
 };
 
@@ -75,10 +75,10 @@ T facets_show(const Facets<T>& facets, Vec3<T> light) {
   const T up = dot(light, facets.normal);
   if (!(facets.view_up > 0 && up > 0)) return 0;
   const T along = dot(light, facets.along), across = dot(light, facets.across);
-  const T masked = facets.unmasked + masking_lambda(masking_square(facets, along, across, up));
+  const T masked = facets.view_masked + masking_lambda(masking_square(facets, along, across, up));
   const T half_along = facets.view_along + along, half_up = facets.view_up + up;
   const T x = half_along / facets.alpha_x, y = across / facets.alpha_y;
-  const T per_up2 = 1 / max(half_up * half_up, T(1e-12));
+  const T per_up2 = 1 / (half_up * half_up);
   const T per_cos2 = (half_along * half_along + across * across) * per_up2 + 1;
   return exponential(-(x * x + y * y) * per_up2) * per_cos2 * per_cos2 /
          (4 * std::numbers::pi_v<T> * facets.alpha_x * facets.alpha_y * facets.view_up * masked);
@@ -116,9 +116,9 @@ T bend_along(const FacetsFall<T>& fall, Vec3<T> tangent) {
 template <class T>
 struct FlakesSeen {
   Vec3<T> normal, tangent;  // of the surface; and what of the view lies along it
-  T g;
-  T factor;
-  Rgb<T> slant;
+  T g;                      // eta cos(theta_p)
+  T factor;                 // D H <S> (1 - r)/(8 pi g)
+  Rgb<T> slant;             // optical depth towards the observer
 };
 
 template <class T>
@@ -131,8 +131,8 @@ FlakesSeen<T> flakes_seen(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
           slant_depth_of(layer, min(g / layer.eta, T(1)))};
 }
 
-// What is found in the lobe's middle and stands for all of it: the depth of the layer on the way
-// out, and G, what both ways have in common.
+// What is found in the lobe's middle and stands for all of it: the depth of the layer towards the
+// light, and G, what both ways have in common.
 template <class T>
 struct MiddleOfLobe {
   Rgb<T> depth;  // at cos = 1
@@ -186,7 +186,7 @@ Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2, T sin_
   facets.alpha_y = clamp(sqrt(y2), T(1e-3), T(1));
   facets.view_along = (sin_view - slope * cos_view) * cosine;
   facets.view_up = (cos_view + slope * sin_view) * cosine;
-  facets.unmasked =
+  facets.view_masked =
       1 + masking_lambda(masking_square(facets, facets.view_along, T(0), facets.view_up));
   return facets;
 }
@@ -243,8 +243,8 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   Vec3<T> towards = seen.tangent;
   if (!(sin_view > T(1e-6))) {  // any direction does
     towards = abs(normal.x) < T(0.6) ? Vec3<T>{1, 0, 0} : Vec3<T>{0, 1, 0};
-    towards = towards - normal * dot(normal, towards);
   }
+  towards = towards - normal * dot(normal, towards);  // the tangent's rounding too
   towards = towards / length(towards);
   const T turned = g_view / cos_view;
   const T square = 2 * core_variance(flakes.orientation) * turned * turned;
@@ -285,14 +285,15 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     if (i == 0) middle = middle_of_lobe(layer, seen, light[i], cos_light);
     shown[i] = flakes_show(layer, flakes, seen, middle, light[i], cos_light);
     const T masked =
-        guess.unmasked + masking_lambda(masking_square(guess, x * twice - guess.view_along,
-                                                       y * twice, twice - guess.view_up));
+        guess.view_masked + masking_lambda(masking_square(guess, x * twice - guess.view_along,
+                                                          y * twice, twice - guess.view_up));
     const T whole = (shown[i].x + shown[i].y + shown[i].z) * masked / (steepness * steepness);
     if (i == 0) {
-      if (!(whole > 0)) return {};
+      if (!(whole > T(1e-30))) return {};
       per_middle = 1 / whole;
+    } else {
+      ratio[i] = clamp(whole * per_middle, T(1e-6), T(1e6));
     }
-    ratio[i] = clamp(whole * per_middle, T(1e-6), T(1e6));
   }
 
   // The wide lobe.

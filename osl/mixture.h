@@ -16,6 +16,8 @@
 #define FORGETTING 20.0
 #define FEW_FLAKES 1e-3
 #define NARROW_TILT 0.25
+#define LONE_NODE 0.39346934
+#define LONE_WEIGHT 0.824360635
 #define PAIR_NODE 0.211324865
 #define PAIR_OTHER 0.788675135
 
@@ -141,10 +143,12 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
     if (narrow)
       points = 1 + piece;
     for (int i = 0; i < points; ++i) {
-      float x = 0.5;
-      float part = 1.0 / points;
-      if (points == 2)
+      float x = LONE_NODE;
+      float part = LONE_WEIGHT;
+      if (points == 2) {
         x = pair[i];
+        part = 0.5;
+      }
       if (!narrow) {
         x = node[i];
         part = weight[i];

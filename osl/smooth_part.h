@@ -32,7 +32,7 @@ struct Facets {
   float alpha_y;
   float view_along;
   float view_up;
-  float unmasked;
+  float view_masked;
   color weight;
 };
 
@@ -63,12 +63,12 @@ float facets_show(Facets facets, vector light)
     return 0.0;
   float along = inner_product(light, facets.along);
   float across = inner_product(light, facets.across);
-  float masked = facets.unmasked + masking_lambda(masking_square(facets, along, across, up));
+  float masked = facets.view_masked + masking_lambda(masking_square(facets, along, across, up));
   float half_along = facets.view_along + along;
   float half_up = facets.view_up + up;
   float x = half_along / facets.alpha_x;
   float y = across / facets.alpha_y;
-  float per_up2 = 1.0 / max(half_up * half_up, 1e-12);
+  float per_up2 = 1.0 / (half_up * half_up);
   float per_cos2 = (half_along * half_along + across * across) * per_up2 + 1.0;
   return exponential(-(x * x + y * y) * per_up2) * per_cos2 * per_cos2 /
          (4.0 * M_PI * facets.alpha_x * facets.alpha_y * facets.view_up * masked);
@@ -173,7 +173,7 @@ Facets facets_at(vector n, vector towards, float slope, float x2, float y2, floa
   facets.alpha_y = clamp(sqrt(y2), 1e-3, 1.0);
   facets.view_along = (sin_view - slope * cos_view) * cosine;
   facets.view_up = (cos_view + slope * sin_view) * cosine;
-  facets.unmasked = 1.0 + masking_lambda(masking_square(facets, facets.view_along, 0.0, facets.view_up));
+  facets.view_masked = 1.0 + masking_lambda(masking_square(facets, facets.view_along, 0.0, facets.view_up));
   facets.weight = color(0.0);
   return facets;
 }
@@ -226,8 +226,8 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
     towards = vector(0.0, 1.0, 0.0);
     if (fabs(n[0]) < 0.6)
       towards = vector(1.0, 0.0, 0.0);
-    towards = towards - n * inner_product(n, towards);
   }
+  towards = towards - n * inner_product(n, towards);
   towards = towards / sqrt(inner_product(towards, towards));
   float turned = g_view / cos_view;
   float square = 2.0 * core_variance(some.orientation) * turned * turned;
@@ -271,15 +271,16 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
     if (i == 0)
       middle = middle_of_lobe(layer, library, seen, light[i], cos_light);
     shown[i] = flakes_show(layer, some, library, seen, middle, light[i], cos_light);
-    float masked = guess.unmasked + masking_lambda(masking_square(guess, x * twice - guess.view_along, y * twice,
+    float masked = guess.view_masked + masking_lambda(masking_square(guess, x * twice - guess.view_along, y * twice,
                                                                   twice - guess.view_up));
     float whole = (shown[i][0] + shown[i][1] + shown[i][2]) * masked / (steepness * steepness);
     if (i == 0) {
-      if (!(whole > 0.0))
+      if (!(whole > 1e-30))
         return none;
       per_middle = 1.0 / whole;
     }
-    ratio[i] = clamp(whole * per_middle, 1e-6, 1e6);
+    else
+      ratio[i] = clamp(whole * per_middle, 1e-6, 1e6);
   }
 
   float fall_x = clamp(-0.5 * logarithm(ratio[1] * ratio[2]), 0.34, 4.0);

@@ -136,6 +136,35 @@ TEST(SmoothPart, TheFacetsFallIsTheirLogarithmsGradient) {
   worst.expect_at_most(1e-4);  // the rule's third derivatives at the least alpha of 1e-3
 }
 
+// Seen all but along the normal: there the view's part along the surface is little more than its
+// rounding, and a lobe with its axes off by that would glare.
+TEST(SmoothPart, InFloatIsThatInDoubleDownToTheNormal) {
+  Random random = fresh(95);
+  Worst worst;
+  for (int k = 0; k < 20'000; ++k) {
+    TestScene scene = smooth_scene(random, static_cast<Orientation>(k % 3));
+    scene.paint.tilt = random.log_uniform(0.02, 0.6);
+    const Vec3<double> axis =
+        scene.normal.x * scene.normal.x < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
+    const Vec3<double> across = cross(scene.normal, axis) / length(cross(scene.normal, axis));
+    const Vec3<double> tilted = scene.normal + across * random.log_uniform(1e-8, 1e-2);
+    const auto normal = Vec3<float>(scene.normal);
+    const auto view = Vec3<float>(tilted / length(tilted));
+    const auto layer = scene.layer<double>();
+    const auto single = scene.layer<float>();
+    const auto part = smooth_part(layer, layer.flakes[0], Vec3<double>(normal), Vec3<double>(view));
+    const auto found = smooth_part(single, single.flakes[0], normal, view);
+    if (!(part.narrow.weight.y > 0)) continue;
+    const Vec3<double> facet = part.narrow.normal;
+    const Vec3<double> light = facet * (2 * dot(facet, Vec3<double>(view))) - Vec3<double>(view);
+    worst.see(
+        std::fabs(smooth_shows(found, Vec3<float>(light)).y / smooth_shows(part, light).y - 1),
+        "shown", smooth_shows(part, light).y, scene);
+  }
+  // The roundings of the normals, 1e-7, over the least alpha of 0.02, and of the exponentials.
+  worst.expect_at_most(2e-3);
+}
+
 // The lobe and what it leaves the flakes, over rings about the mirror direction. Of 51 runs of
 // fresh scenes three had one, seen from within 19 degrees of the horizon, in which what the lobe
 // shows too much was 3 % of the flakes' light in the outermost ring. So the scenes are the same in
