@@ -410,16 +410,39 @@ def test_a_linked_paint_is_refused_where_it_keeps_the_lights_of_its_file(
         run(scene, thing, SIZE)
 
 
-def test_a_paint_within_a_node_group_is_told_of_and_a_plain_one_is_taken() -> None:
+def nest_with_tilt(painted: bpy.types.Material, tilt: float) -> None:
+    """The paint into a group of the artist's, which has its tilt as an input."""
+    paint = material.paint_of(painted)
+    nest_paint(painted)
+    node = material.paint_node(painted)
+    assert material.is_within_group(node)
+    material.apply(node, paint)
+    group = node.id_data
+    group.interface.new_socket("How rough", in_out="INPUT", socket_type="NodeSocketFloat")
+    group.links.new(group.nodes.new("NodeGroupInput").outputs["How rough"], node.inputs["Tilt"])
+    [outer] = [each for each in painted.node_tree.nodes if each.type == "GROUP"]
+    outer.inputs["How rough"].default_value = tilt
+
+
+def test_a_paint_within_a_node_group_is_checked_with_what_the_group_is_given() -> None:
     scene = build()
     thing = scene.objects["Monkey"]
-    plain = thing.active_material.copy()
-    nest_paint(thing.active_material)
-    said = "The paint stands within a node group, where it cannot be checked"
-    assert why_not(scene, thing) == said
-    thing.data.materials.append(plain)
+    nest_with_tilt(thing.active_material, 0.07)
     assert why_not(scene, thing) == ""
-    assert painted_of(thing) == plain
+    found = run(scene, thing, SIZE)
+    assert found.agrees, str(found)
+    assert found.pixels > 100
+    assert "Checked as the paint alone, out of the group Mine." in str(found)
+    assert "linked to" not in str(found)
+
+    painted = painted_of(thing)
+    other = material.create(presets.load("gold"))
+    thing.data.materials.append(other)
+    assert painted_of(thing) == painted
+    check._freeze(painted, scene.view_layers[0])
+    node = material.paint_node(painted)
+    assert not material.is_within_group(node)
+    assert material.paint_of(node) == dataclasses.replace(presets.load("silver-coarse"), tilt=0.07)
 
 
 def test_what_cannot_be_checked_is_said(registered: None, monkeypatch: pytest.MonkeyPatch) -> None:

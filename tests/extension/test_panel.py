@@ -98,8 +98,8 @@ def test_panel_names_the_files_of_linked_paints(
     assert "Mark one as an asset in that file" in shown
 
 
-def test_panel_does_not_offer_to_replace_a_paint_within_a_node_group(
-    cube: bpy.types.Object,
+def test_panel_has_the_values_of_a_paint_within_a_node_group(
+    addon: Addon, cube: bpy.types.Object
 ) -> None:
     bpy.ops.material.metallic_paint_new()
     tree = cube.active_material.node_tree
@@ -110,9 +110,12 @@ def test_panel_does_not_offer_to_replace_a_paint_within_a_node_group(
     for of in (bpy.types.MATERIAL_PT_metallic_paint, bpy.types.NODE_PT_metallic_paint):
         shown = drawn(of)
         assert "material.metallic_paint_new" not in shown.names
-        assert not shown.menus
+        assert "Size (µm)" in shown.texts
         text = " ".join(shown.texts)
-        assert "within a node group: open the group in the shader editor to edit it." in text
+        assert "Of the node group “Mine”: what changes here changes wherever that is used." in text
+    bpy.ops.material.metallic_paint_apply_preset(preset="gold")
+    material, presets = addon("paint.material"), addon("paint.presets")
+    assert material.paint_of(cube.active_material) == presets.load("gold")
 
 
 def test_panel_offers_no_osl_where_there_is_none(

@@ -26,7 +26,7 @@ def paint_node(context: bpy.types.Context) -> bpy.types.ShaderNodeGroup | None:
     of = active_material(context)
     if of is None or of.node_tree is None:
         return None
-    paints = [node for node in of.node_tree.nodes if material.is_paint(node)]
+    paints = list(material.paint_nodes(of.node_tree))
     active = of.node_tree.nodes.active
     return active if active in paints else next(iter(paints), None)
 

@@ -49,10 +49,7 @@ _LINKED = (
 )
 
 
-_WITHIN_GROUP = (
-    f"{material.WITHIN_GROUP}: open the group in the shader editor to edit it. Presets are for "
-    "paints that stand in the material itself."
-)
+_WITHIN_GROUP = "Of the node group “{}”: what changes here changes wherever that is used."
 
 
 class _PaintPanel:
@@ -61,26 +58,25 @@ class _PaintPanel:
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        of = operators.active_material(context)
-        if of is not None and material.is_within_group(of):
-            draw_lines(layout, _WITHIN_GROUP, "INFO")  # a new paint would replace the material
+        node = operators.paint_node(context)
+        if node is None:
+            layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
         else:
-            if operators.paint_node(context) is None:
-                layout.operator(operators.MATERIAL_OT_metallic_paint_new.bl_idname, icon="ADD")
-            if (node := operators.paint_node(context)) is not None:
-                preset_operators.draw_swatches(layout, node)
-            layout.menu(
-                "MATERIAL_MT_metallic_paint_presets", text="Metallic Paint Presets", icon="PRESET"
-            )
-            if node is not None:
-                amount = knobs.draw_first(_values(layout), node)
-                draw_lines(layout, amount)
+            if material.is_within_group(node):
+                draw_lines(layout, _WITHIN_GROUP.format(node.id_data.name), "INFO")
+            preset_operators.draw_swatches(layout, node)
+        layout.menu(
+            "MATERIAL_MT_metallic_paint_presets", text="Metallic Paint Presets", icon="PRESET"
+        )
+        if node is not None:
+            amount = knobs.draw_first(_values(layout), node)
+            draw_lines(layout, amount)
         if missing := material.missing(context.scene):
             box = layout.box()
             draw_lines(box, missing, "ERROR")
             if material.has_osl():
                 box.operator(operators.SCENE_OT_metallic_paint_use_osl.bl_idname)
-        elif operators.paint_node(context) is not None and not _shows_in(context.screen):
+        elif node is not None and not _shows_in(context.screen):
             draw_lines(layout, _PREVIEWED, "INFO")
         if migration.has_outdated():
             box = layout.box()
@@ -136,8 +132,7 @@ class _MaterialPanel(_PaintPanel, bpy.types.Panel):
         if thing is None or thing.type not in operators.PAINTABLE:
             return False
         of = operators.active_material(context)
-        has_paint = of is not None and (material.has_paint(of) or material.is_within_group(of))
-        return has_paint == cls.painted
+        return (of is not None and material.has_paint(of)) == cls.painted
 
 
 class MATERIAL_PT_metallic_paint(_MaterialPanel):

@@ -143,13 +143,14 @@ class _ChangesPaint(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not _on_paint(cls, context):
             return False
-        return operators.can_change(cls, operators.active_material(context), "material")
+        return operators.can_change(cls, operators.paint_node(context).id_data, "material")
 
 
 def _apply(
     operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str
 ) -> set[OperatorReturnItems]:
-    node, tree = operators.paint_node(context), operators.active_material(context).node_tree
+    node = operators.paint_node(context)
+    tree = node.id_data
     try:
         material.apply(node, presets.load(name_or_path))
     except (presets.PresetError, PaintError) as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
@@ -46,7 +46,6 @@ ANCHOR = PARAMETERS["anchor"]
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
 _PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
-WITHIN_GROUP = "The paint stands within a node group"
 LINKED = "The {} is linked from another file and cannot be changed"
 
 _GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
@@ -104,7 +103,7 @@ def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
         material.use_nodes = True  # Blender 4.5
     nodes = material.node_tree.nodes
     nodes.clear()
-    node = _new_node(material.node_tree, group)
+    node = new_node(material.node_tree, group)
     out = nodes.new("ShaderNodeOutputMaterial")
     out.location.x = 300
     material.node_tree.links.new(node.outputs[OUTPUT], out.inputs["Surface"])
@@ -114,14 +113,15 @@ def create(paint: Paint, name: str = NAME) -> bpy.types.Material:
 
 def add_node(tree: bpy.types.NodeTree, paint: Paint) -> bpy.types.ShaderNodeGroup:
     """A new node with the paint's values, not yet connected."""
-    node = _new_node(tree, node_group())
+    node = new_node(tree, node_group())
     apply(node, paint)
     return node
 
 
-def _new_node(
+def new_node(
     tree: bpy.types.NodeTree, group: bpy.types.ShaderNodeTree
 ) -> bpy.types.ShaderNodeGroup:
+    """A new node of the paint's group with the group's values, not yet connected."""
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.name = NAME
@@ -217,12 +217,20 @@ def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | 
     return numbers if len(numbers) == 3 else numbers[0]
 
 
+def paint_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.ShaderNodeGroup]:
+    """Those of the tree, then those within its node groups."""
+    nodes = tree.nodes if tree is not None else ()
+    yield from filter(is_paint, nodes)
+    for node in nodes:
+        if node.type == "GROUP" and not is_paint(node):
+            yield from paint_nodes(node.node_tree)
+
+
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
-    """The material's paint node, at the top level of its tree."""
-    for node in material.node_tree.nodes if material.node_tree else ():
-        if is_paint(node):
-            return node
-    raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+    """The material's first paint node; one at the top level comes before those within groups."""
+    if (node := next(paint_nodes(material.node_tree), None)) is None:
+        raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+    return node
 
 
 def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
@@ -230,13 +238,12 @@ def is_paint(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
 
 
 def has_paint(material: bpy.types.Material) -> bool:
-    """Whether a paint node stands at the top level of its tree."""
-    return any(map(is_paint, material.node_tree.nodes if material.node_tree else ()))
+    return next(paint_nodes(material.node_tree), None) is not None
 
 
-def is_within_group(material: bpy.types.Material) -> bool:
-    """Whether the only paint of the material stands in another node group."""
-    return not has_paint(material) and lights.holds_slots(material.node_tree)
+def is_within_group(node: bpy.types.ShaderNodeGroup) -> bool:
+    """Whether the paint node stands in a node group of the artist's, not in a material."""
+    return not node.id_data.is_embedded_data
 
 
 def rides(node: bpy.types.ShaderNodeGroup) -> bool:

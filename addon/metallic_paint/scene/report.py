@@ -146,13 +146,10 @@ class _Surface:
     layer: bpy.types.ViewLayer
     thing: bpy.types.Object
     painted: bpy.types.Material
-    node: bpy.types.ShaderNodeGroup | None  # None within a node group
+    node: bpy.types.ShaderNodeGroup
 
     def unknown(self) -> Line | None:
         """Why nothing can be foretold of it."""
-        if self.node is None:
-            within = material.WITHIN_GROUP.lower()
-            return INFO, f"{self.label}: {within}, of which nothing can be foretold."
         if file := material.linked_from(self.node):
             linked = f"the paint is linked from {file} and keeps the lights that it has there."
             return WARNING, f"{self.label}: {linked}"
@@ -203,12 +200,11 @@ def _left_behind(
 
 def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:
     slots = dict.fromkeys(slot.material for slot in thing.material_slots if slot.material)
-    painted = [each for each in slots if lights.holds_slots(each.node_tree)]
+    painted = [each for each in slots if material.has_paint(each)]
     return [
         _Surface(
             thing.name if len(painted) == 1 else f"{thing.name}, {each.name}",
-            layer, thing, each,
-            None if material.is_within_group(each) else material.paint_node(each),
+            layer, thing, each, material.paint_node(each),
         )
         for each in painted
     ]  # fmt: skip
@@ -237,7 +233,6 @@ def _about(
 ) -> tuple[list[Line], float]:
     """Lines about a painted object, and how bright a pixel of it may sparkle."""
     label, thing, node = surface.label, surface.thing, surface.node
-    assert node is not None
     lines: list[Line] = []
     unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
     size = max(thing.dimensions) * unit

@@ -235,30 +235,80 @@ def _make_real(scene: bpy.types.Scene, found: tuple[placed.Placed, ...]) -> list
 
 
 def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str]:
-    """The paint alone as the surface, its parameters constant; returns what that leaves out."""
+    """The paint alone as the surface, its parameters constant; returns what that leaves out.
+
+    One that stands within a node group is brought out of it.
+    """
     layer.update()
-    node = material.paint_node(painted)
-    evaluated = painted.evaluated_get(layer.depsgraph).node_tree.nodes[node.name]
+    path = _path_to_paint(painted.node_tree)
     tree, notes = painted.node_tree, []
-    linked = [s for s in node.inputs if s.is_linked and s.name not in
-              material.GEOMETRY.values()]  # fmt: skip
+    given = [_given(path, socket, painted, layer) for socket in path[-1].inputs]
+    node, kept = path[-1], set(material.GEOMETRY.values())
+    if material.is_within_group(node):
+        node, kept = material.new_node(tree, node.node_tree), set()
+    linked = [each.name for each in given if each.linked and each.name not in kept]
     if linked:
-        names = ", ".join(socket.name for socket in linked)
+        names = ", ".join(linked)
         notes.append(f"Checked with the sockets' own values, not with what is linked to {names}.")
-    values = [getattr(socket, "default_value", None) for socket in evaluated.inputs]
-    values = [tuple(v) if hasattr(v, "__len__") else v for v in values]
-    for socket in linked:
+    tree.animation_data_clear()
+    for socket, each in zip(node.inputs, given, strict=True):
+        if each.name in kept:
+            continue
         for link in list(socket.links):
             tree.links.remove(link)
-    tree.animation_data_clear()
-    for socket, value in zip(node.inputs, values, strict=True):
-        if value is not None and not socket.is_linked:
-            socket.default_value = value
+        if each.value is not None:
+            socket.default_value = each.value
     surface = tree.get_output_node("CYCLES").inputs["Surface"]
-    if [link.from_node for link in surface.links] != [node]:
+    if node != path[-1]:
+        notes.append(f"Checked as the paint alone, out of the group {path[-1].id_data.name}.")
+    elif [link.from_node for link in surface.links] != [node]:
         notes.append("Checked as the paint alone, without the shaders that it is mixed with.")
     tree.links.new(node.outputs[material.OUTPUT], surface)
     return notes
+
+
+def _path_to_paint(tree: bpy.types.NodeTree) -> list[bpy.types.ShaderNodeGroup]:
+    """The paint's node, after the groups of the artist's that it stands in, outermost first."""
+    for paint in filter(material.is_paint, tree.nodes):
+        return [paint]
+    groups: list[Any] = [node for node in tree.nodes if node.type == "GROUP"]
+    for group in groups:
+        if next(material.paint_nodes(group.node_tree), None) is not None:
+            return [group, *_path_to_paint(group.node_tree)]
+    raise ValueError(f"There is no paint in {tree.name!r}.")
+
+
+@dataclass(frozen=True)
+class _Given:
+    """What a socket of the paint has."""
+
+    name: str
+    value: Any  # None for a socket without a value of its own
+    linked: bool  # to what is no socket of a group: the value is not what the socket shows
+
+
+def _given(
+    path: list[bpy.types.ShaderNodeGroup],
+    socket: bpy.types.NodeSocket,
+    painted: bpy.types.Material,
+    layer: bpy.types.ViewLayer,
+) -> _Given:
+    """The value in the frame; where an input of the group around decides, that input's."""
+    *groups, node = path
+    if groups:
+        now = node.id_data.evaluated_get(layer.depsgraph)
+    else:
+        now = painted.evaluated_get(layer.depsgraph).node_tree
+    own = next(s for s in now.nodes[node.name].inputs if s.identifier == socket.identifier)
+    value = getattr(own, "default_value", None)
+    value = tuple(value) if hasattr(value, "__len__") else value
+    if not socket.is_linked:
+        return _Given(socket.name, value, False)
+    source = socket.links[0].from_socket
+    if groups and source.node.type == "GROUP_INPUT" and source.type == socket.type:
+        outer = next(s for s in groups[-1].inputs if s.identifier == source.identifier)
+        return dataclasses.replace(_given(groups, outer, painted, layer), name=socket.name)
+    return _Given(socket.name, value, True)
 
 
 def _region(

@@ -20,7 +20,6 @@ import numpy as np
 
 from ..native import core_missing
 from ..paint import PaintError, material, shader
-from ..scene import lights
 from .check import Found, VerifyError, as_found
 
 SIZE = 96  # pixels along each side of the region
@@ -37,8 +36,6 @@ def why_not(scene: bpy.types.Scene, thing: bpy.types.Object | None) -> str:
     painted = painted_of(thing)
     if painted is None:
         return "Select an object with a metallic paint"
-    if material.is_within_group(painted):
-        return f"{material.WITHIN_GROUP}, where it cannot be checked"
     if file := material.linked_from(material.paint_node(painted)):
         return f"The paint is linked from {file} and keeps its lights: check it in that file"
     return ""
@@ -57,17 +54,13 @@ def _unlike_core(painted: bpy.types.Material) -> str:
 
 
 def painted_of(thing: bpy.types.Object | None) -> bpy.types.Material | None:
-    """The object's active material if it is a paint, or else its first paint.
-
-    Without any, the first that holds one within a node group.
-    """
+    """The object's active material if it is a paint, or else its first paint."""
     slots = (
         []
         if thing is None
         else [thing.active_material, *(s.material for s in thing.material_slots)]
     )
-    held = [each for each in slots if each is not None and lights.holds_slots(each.node_tree)]
-    return min(held, key=material.is_within_group, default=None)
+    return next((each for each in slots if each is not None and material.has_paint(each)), None)
 
 
 class Job:
