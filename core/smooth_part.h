@@ -215,18 +215,20 @@ T lobe_height(const OrientationDensity<T>& density) {
 // at most, of others by 11 %; with 0.15 by up to 26 %.
 inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
 
-// e, by f two alphas of the guess across the plane of view, and by -ln of f an alpha aside, at
-// which r^2 = 4 fall. Two steps from A = 1/1.2: e by f, A by e, e by f.
+// e, by f two alphas of the guess across the plane of view, at which r^2 = 4 fall, and by 1/A.
+template <class T>
+T share_of_wide(T far, T fall, T far_wide, T steep) {
+  const T far_narrow = exponential(-4 * fall * steep);
+  return clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
+}
+
+// fall: -ln of f an alpha aside. Two steps from A = 1/1.2: e by f, A by e, e by f.
 template <class T>
 T wide_share(T far, T fall) {
   const T far_wide = exponential(-4 * fall / T(kWider));
-  const auto share = [&](T steep) {  // 1/A
-    const T far_narrow = exponential(-4 * fall * steep);
-    return clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
-  };
-  const T first = share(T(1.2));
-  const T near_wide = T(0.606530659712633424L), near = T(0.367879441171442322L);  // e^-1/2, e^-1
-  return share(-logarithm((near - first * near_wide) / (1 - first)));
+  const T first = share_of_wide(far, fall, far_wide, T(1.2));
+  const T near = T(0.367879441171442322L), near_wide = T(0.606530659712633424L);  // e^-1, e^-1/2
+  return share_of_wide(far, fall, far_wide, -logarithm((near - first * near_wide) / (1 - first)));
 }
 
 template <class T>
