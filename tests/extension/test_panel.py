@@ -110,8 +110,8 @@ def test_panel_has_the_values_of_a_paint_within_a_node_group(
     for of in (bpy.types.MATERIAL_PT_metallic_paint, bpy.types.NODE_PT_metallic_paint):
         shown = drawn(of)
         assert "material.metallic_paint_new" not in shown.names
-        assert "Size (µm)" in shown.texts
         text = " ".join(shown.texts)
+        assert "flakes cover" in text
         assert "Of the node group “Mine”: what changes here changes wherever that is used." in text
     bpy.ops.material.metallic_paint_apply_preset(preset="gold")
     material, presets = addon("paint.material"), addon("paint.presets")
