@@ -74,6 +74,25 @@ T seen_cosine(Vec3<T> normal, Vec3<T> view) {
   return cosine > T(kLeastCosine) ? cosine : T(1e-4);
 }
 
+// A flake that mirrors view and light into each other, by what lies along the surface and across
+// it: refracted (paper, eq. 8), v = V/eta + n (cos(theta_p) - cos(theta)/eta), so v + v' = (t + n
+// G)/eta with the tangential part of V + V', t = V + V' - n (cos(theta) + cos(theta')), and G = g +
+// g'. Its length is s/eta = 2 cos(alpha) with s^2 = t^2 + G^2, and tan(beta) = t/G, so
+// sin^2(beta/2) = (1 - G/s)/2 = t^2/(2 s (s + G)).
+template <class T>
+struct MirroringFlake {
+  T s;
+  T cos_alpha;       // angle on the flake
+  T sin2_half_beta;  // flake normal to paint normal
+};
+
+template <class T>
+MirroringFlake<T> mirroring_flake(Vec3<T> tangent, T along, T eta) {
+  const T tangent_square = dot(tangent, tangent);
+  const T s = sqrt(tangent_square + along * along);
+  return {s, min(s / (2 * eta), T(1)), min(tangent_square / (2 * s * (s + along)), T(0.5))};
+}
+
 // Where view, light and surface leave a flake to mirror one into the other, and what is said of it.
 template <class T>
 struct Mirror {
@@ -85,11 +104,8 @@ struct Mirror {
   Vec3<T> flake_normal{};
 };
 
-// Unit vectors that point away from the surface. Refracted (paper, eq. 8), v = V/eta +
-// n (cos(theta_p) - cos(theta)/eta), so v + v' = (t + n G)/eta with the tangential part of V + V',
-// t = V + V' - n (cos(theta) + cos(theta')), and G = g + g'. Its length is s/eta = 2 cos(alpha)
-// with s^2 = t^2 + G^2, and tan(beta) = t/G, so sin^2(beta/2) = (1 - G/s)/2 = t^2/(2 s (s + G)).
-// The flake's normal halves the angle between both: (t + n G)/s.
+// Unit vectors that point away from the surface. The flake's normal halves the angle between both:
+// (t + n G)/s.
 template <class T>
 Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   Mirror<T> mirror;
@@ -100,12 +116,11 @@ Mirror<T> mirror_between(Vec3<T> normal, Vec3<T> view, Vec3<T> light, T eta) {
   mirror.g_light = eta_cos_refracted(mirror.cos_light, eta);
   if (!(mirror.g_view > 0) || !(mirror.g_light > 0)) return mirror;
   const Vec3<T> tangent = (view + light) - normal * (mirror.cos_view + mirror.cos_light);
-  const T tangent_square = dot(tangent, tangent);
   const T along = mirror.g_view + mirror.g_light;
-  const T s = sqrt(tangent_square + along * along);
-  mirror.cos_alpha = min(s / (2 * eta), T(1));
-  mirror.sin2_half_beta = min(tangent_square / (2 * s * (s + along)), T(0.5));
-  mirror.flake_normal = (tangent + normal * along) * (1 / s);
+  const MirroringFlake<T> flake = mirroring_flake(tangent, along, eta);
+  mirror.cos_alpha = flake.cos_alpha;
+  mirror.sin2_half_beta = flake.sin2_half_beta;
+  mirror.flake_normal = (tangent + normal * along) * (1 / flake.s);
   mirror.possible = true;
   return mirror;
 }

@@ -160,17 +160,15 @@ Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, const FlakesS
                    const MiddleOfLobe<T>& middle, Vec3<T> light, T cos_light) {
   const T g = eta_cos_refracted(cos_light, layer.eta);
   if (!(g > 0)) return {};
-  const Vec3<T> tangent = seen.tangent + (light - seen.normal * cos_light);
-  const T square = dot(tangent, tangent), up = seen.g + g;
-  const T s = sqrt(square + up * up);
-  const T sin2_half_beta = min(square / (2 * s * (s + up)), T(0.5));
+  const MirroringFlake<T> flake =
+      mirroring_flake(seen.tangent + (light - seen.normal * cos_light), seen.g + g, layer.eta);
   Rgb<T> slant = seen.slant + middle.depth * (layer.eta / g);
   if (layer.depth_model == DepthModel::correlated) {
     slant = less_in_common(layer, slant, middle.in_common);
   }
-  return coating_reflectance(flakes.coating, min(s / (2 * layer.eta), T(1))) *
+  return coating_reflectance(flakes.coating, flake.cos_alpha) *
          map(slant, [](T x) { return mean_transmittance(x); }) *
-         (seen.factor * orientation_density(flakes.orientation, sin2_half_beta) *
+         (seen.factor * orientation_density(flakes.orientation, flake.sin2_half_beta) *
           fresnel_transmittance(cos_light, g, layer.eta) * cos_light / g);
 }
 

@@ -45,6 +45,22 @@ float seen_cosine(vector n, vector view)
   return 1e-4;
 }
 
+struct MirroringFlake {
+  float s;
+  float cos_alpha;
+  float sin2_half_beta;
+};
+
+MirroringFlake mirroring_flake(vector tangent, float along, float eta)
+{
+  float tangent_square = inner_product(tangent, tangent);
+  MirroringFlake flake;
+  flake.s = sqrt(tangent_square + along * along);
+  flake.cos_alpha = min(flake.s / (2.0 * eta), 1.0);
+  flake.sin2_half_beta = min(tangent_square / (2.0 * flake.s * (flake.s + along)), 0.5);
+  return flake;
+}
+
 struct Mirror {
   int possible;
   float cos_view;
@@ -74,12 +90,11 @@ Mirror mirror_between(vector n, vector view, vector light, float eta)
   if (!(mirror.g_view > 0.0) || !(mirror.g_light > 0.0))
     return mirror;
   vector tangent = (view + light) - n * (mirror.cos_view + mirror.cos_light);
-  float tangent_square = inner_product(tangent, tangent);
   float along = mirror.g_view + mirror.g_light;
-  float s = sqrt(tangent_square + along * along);
-  mirror.cos_alpha = min(s / (2.0 * eta), 1.0);
-  mirror.sin2_half_beta = min(tangent_square / (2.0 * s * (s + along)), 0.5);
-  mirror.flake_normal = (tangent + n * along) * (1.0 / s);
+  MirroringFlake flake = mirroring_flake(tangent, along, eta);
+  mirror.cos_alpha = flake.cos_alpha;
+  mirror.sin2_half_beta = flake.sin2_half_beta;
+  mirror.flake_normal = (tangent + n * along) * (1.0 / flake.s);
   mirror.possible = 1;
   return mirror;
 }

@@ -149,16 +149,12 @@ color flakes_show(Layer layer, Flakes some, float library[], FlakesSeen seen, Mi
   float g = eta_cos_refracted(cos_light, layer.eta);
   if (!(g > 0.0))
     return color(0.0);
-  vector tangent = seen.tangent + (light - seen.n * cos_light);
-  float square = inner_product(tangent, tangent);
-  float up = seen.g + g;
-  float s = sqrt(square + up * up);
-  float sin2_half_beta = min(square / (2.0 * s * (s + up)), 0.5);
+  MirroringFlake flake = mirroring_flake(seen.tangent + (light - seen.n * cos_light), seen.g + g, layer.eta);
   color slant = seen.slant + middle.depth * (layer.eta / g);
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     slant = less_in_common(layer, slant, middle.in_common);
-  return coating_reflectance(some.coating, library, min(s / (2.0 * layer.eta), 1.0)) * mean_transmittance(slant) *
-         (seen.factor * orientation_density(some.orientation, sin2_half_beta) *
+  return coating_reflectance(some.coating, library, flake.cos_alpha) * mean_transmittance(slant) *
+         (seen.factor * orientation_density(some.orientation, flake.sin2_half_beta) *
           fresnel_transmittance(cos_light, g, layer.eta) * cos_light / g);
 }
 
@@ -272,7 +268,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
       middle = middle_of_lobe(layer, library, seen, light[i], cos_light);
     shown[i] = flakes_show(layer, some, library, seen, middle, light[i], cos_light);
     float masked = guess.view_masked + masking_lambda(masking_square(guess, x * twice - guess.view_along, y * twice,
-                                                                  twice - guess.view_up));
+                                                                     twice - guess.view_up));
     float whole = (shown[i][0] + shown[i][1] + shown[i][2]) * masked / (steepness * steepness);
     if (i == 0) {
       if (!(whole > 1e-30))

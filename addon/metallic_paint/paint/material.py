@@ -217,13 +217,22 @@ def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | 
     return numbers if len(numbers) == 3 else numbers[0]
 
 
-def paint_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.ShaderNodeGroup]:
-    """Those of the tree, then those within its node groups."""
+def paint_paths(tree: bpy.types.NodeTree | None) -> Iterator[list[bpy.types.ShaderNodeGroup]]:
+    """Of each paint the node groups that it stands in, outermost first, and its own node.
+
+    Paints of the tree itself come before those within its groups.
+    """
     nodes = tree.nodes if tree is not None else ()
-    yield from filter(is_paint, nodes)
-    for node in nodes:
-        if node.type == "GROUP" and not is_paint(node):
-            yield from paint_nodes(node.node_tree)
+    groups: list[Any] = [node for node in nodes if node.type == "GROUP"]
+    yield from ([node] for node in groups if is_paint(node))
+    for node in groups:
+        if not is_paint(node):
+            yield from ([node, *path] for path in paint_paths(node.node_tree))
+
+
+def paint_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.ShaderNodeGroup]:
+    """In the order of paint_paths."""
+    return (path[-1] for path in paint_paths(tree))
 
 
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:

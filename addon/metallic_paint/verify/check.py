@@ -240,7 +240,7 @@ def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str
     One that stands within a node group is brought out of it.
     """
     layer.update()
-    path = _path_to_paint(painted.node_tree)
+    path = next(material.paint_paths(painted.node_tree))
     tree, notes = painted.node_tree, []
     given = [_given(path, socket, painted, layer) for socket in path[-1].inputs]
     node, kept = path[-1], set(material.GEOMETRY.values())
@@ -265,17 +265,6 @@ def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str
         notes.append("Checked as the paint alone, without the shaders that it is mixed with.")
     tree.links.new(node.outputs[material.OUTPUT], surface)
     return notes
-
-
-def _path_to_paint(tree: bpy.types.NodeTree) -> list[bpy.types.ShaderNodeGroup]:
-    """The paint's node, after the groups of the artist's that it stands in, outermost first."""
-    for paint in filter(material.is_paint, tree.nodes):
-        return [paint]
-    groups: list[Any] = [node for node in tree.nodes if node.type == "GROUP"]
-    for group in groups:
-        if next(material.paint_nodes(group.node_tree), None) is not None:
-            return [group, *_path_to_paint(group.node_tree)]
-    raise ValueError(f"There is no paint in {tree.name!r}.")
 
 
 @dataclass(frozen=True)
