@@ -13,6 +13,7 @@
 #define WIDER 2.0
 #define MOST_WIDE 0.25
 #define MOST_ASIDE 0.4
+#define MOST_OFF 0.1
 #define MOST_SQUARE 0.5
 #define HEIGHT 0.98
 #define HEIGHT_ASIDE 1.05
@@ -306,26 +307,42 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   }
   float near = -logarithm(left[1] / left[0]);
   float away = -logarithm(left[2] / left[0]);
-  float both = near + away;
-  float turn = clamp((away - near) / (2.0 * max(both, 0.4)), -0.7, 0.7);
+  float side = -logarithm(left[3] / left[0]);
   SmoothPart part = none;
-  part.narrow = facets_at(n, towards, max(slope + guess.alpha_x * turn, 0.0),
-                          guess.alpha_x * guess.alpha_x / clamp(both / 2.0, 0.34, 6.0),
-                          guess.alpha_y * guess.alpha_y / clamp(-logarithm(left[3] / left[0]), 0.34, 6.0), sin_view,
-                          cos_view);
   if (share > 0.0)
     part.wide = facets_at(n, towards, slope + aside, wide_x2, wide_y2, sin_view, cos_view);
-
-  float highest = lobe_height(some.orientation);
   float narrow_shows[6];
   float wide_shows[6];
   int points = share > 0.0 ? 6 : 4;
   for (int i = 0; i < points; ++i) {
-    narrow_shows[i] = facets_show(part.narrow, light[i]);
     wide_shows[i] = 0.0;
     if (share > 0.0)
       wide_shows[i] = facets_show(part.wide, light[i]);
   }
+  for (int fit = 0; fit < 2; ++fit) {
+    float both = near + away;
+    float turn = clamp((away - near) / (2.0 * max(both, 0.4)), -0.7, 0.7);
+    part.narrow = facets_at(n, towards, max(slope + guess.alpha_x * turn, 0.0),
+                            guess.alpha_x * guess.alpha_x / clamp(both / 2.0, 0.34, 6.0),
+                            guess.alpha_y * guess.alpha_y / clamp(side, 0.34, 6.0), sin_view, cos_view);
+    for (int i = 0; i < points; ++i)
+      narrow_shows[i] = facets_show(part.narrow, light[i]);
+    if (!(share > 0.0))
+      break;
+    float off[4];
+    for (int i = 0; i < 4; ++i) {
+      float wanted = (shown[i][0] + shown[i][1] + shown[i][2]) * left[i] / ratio[i];
+      off[i] = logarithm(max(narrow_shows[i], 1e-30) / max(wanted, 1e-30));
+    }
+    float more = clamp((off[2] - off[0]) / MOST_OFF - 1.0, 0.0, 1.0);
+    if (!(more > 0.0))
+      break;
+    near = near + more * (off[1] - off[0]);
+    away = away + more * (off[2] - off[0]);
+    side = side + more * (off[3] - off[0]);
+  }
+
+  float highest = lobe_height(some.orientation);
   if (share > 0.0 && narrow_shows[0] > 0.0 && wide_shows[0] > 0.0) {
     float unit_narrow = left[0] / narrow_shows[0];
     float unit_wide = (1.0 - left[0]) / wide_shows[0];

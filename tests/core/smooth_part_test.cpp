@@ -141,6 +141,7 @@ TEST(SmoothPart, TheFacetsFallIsTheirLogarithmsGradient) {
 TEST(SmoothPart, InFloatIsThatInDoubleDownToTheNormal) {
   Random random = fresh(95);
   Worst worst;
+  int ended = 0;
   for (int k = 0; k < 20'000; ++k) {
     TestScene scene = smooth_scene(random, static_cast<Orientation>(k % 3));
     scene.paint.tilt = random.log_uniform(0.02, 0.6);
@@ -155,12 +156,18 @@ TEST(SmoothPart, InFloatIsThatInDoubleDownToTheNormal) {
     const auto part = smooth_part(layer, layer.flakes[0], Vec3<double>(normal), Vec3<double>(view));
     const auto found = smooth_part(single, single.flakes[0], normal, view);
     if (!(part.narrow.weight.y > 0)) continue;
+    if (!(found.narrow.weight.y > 0)) {
+      ++ended;
+      continue;
+    }
     const Vec3<double> facet = part.narrow.normal;
     const Vec3<double> light = facet * (2 * dot(facet, Vec3<double>(view))) - Vec3<double>(view);
     worst.see(
         std::fabs(smooth_shows(found, Vec3<float>(light)).y / smooth_shows(part, light).y - 1),
         "shown", smooth_shows(part, light).y, scene);
   }
+  // Where kLeastRise ends the lobe, rounding does: one in 130 runs had such a scene.
+  EXPECT_LE(ended, 2);
   // The roundings of the normals, 1e-7, over the least alpha of 0.02, and of the exponentials.
   worst.expect_at_most(2e-3);
 }
