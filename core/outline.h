@@ -27,8 +27,12 @@ struct Outline {
   Wide<T> inside{};                         // the light's cone in the binder, sr
 };
 
-// A disc's mean square off its middle is a quarter of the radius squared along each axis: that of
-// four places at radius/sqrt(2). Seen from a distance of 1 a place at q shows cos/q^3 of its area.
+// Four places of a disc, so many radii off its middle. Its mean square there is a quarter of the
+// radius squared along each axis: that of four places at kOfFour. More is in eight at kOfEight,
+// Gauss's two points of the square of the radius, the outer four between the directions of the
+// inner. Seen from a distance of 1 a place at q shows cos/q^3 of its area.
+inline constexpr long double kOfFour = 0.707106781186547524401L;
+inline constexpr long double kOfEight[] = {0.459700843380983L, 0.888073833977115L};
 template <class T>
 struct PointsWithin {
   std::array<Vec3<Wide<T>>, 4> towards;  // unit
@@ -36,16 +40,22 @@ struct PointsWithin {
 };
 
 template <class T>
-PointsWithin<T> points_within(const SeenLight<T>& light) {
+PointsWithin<T> points_within(const SeenLight<T>& light, long double radii, bool between = false) {
   using W = Wide<T>;
   // Two axes across its normal (Duff et al. 2017).
   const Vec3<W> m = light.facing;
   const W sign = m.z < 0 ? W(-1) : W(1);
   const W a = -1 / (sign + m.z);
   const W b = m.x * m.y * a;
-  const W off = W(0.707106781186547524401L) * light.radius;
-  const Vec3<W> u = Vec3<W>{1 + sign * m.x * m.x * a, sign * b, -(sign * m.x)} * off;
-  const Vec3<W> v = Vec3<W>{b, sign + m.y * m.y * a, -m.y} * off;
+  const W off = W(radii) * light.radius;
+  Vec3<W> u = Vec3<W>{1 + sign * m.x * m.x * a, sign * b, -(sign * m.x)} * off;
+  Vec3<W> v = Vec3<W>{b, sign + m.y * m.y * a, -m.y} * off;
+  if (between) {
+    const W half = W(kOfFour);
+    const Vec3<W> turned = (u + v) * half;
+    v = (v - u) * half;
+    u = turned;
+  }
   const Vec3<W> middle = light.direction;
   PointsWithin<T> points{{middle + u, middle - u, middle + v, middle - v}, {}};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -66,7 +76,7 @@ Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, 
   if (!(light.radius > 0)) return outline;
   outline.given = true;
   outline.inside = inside;
-  const PointsWithin<T> within = points_within(light);
+  const PointsWithin<T> within = points_within(light, kOfFour);
   W seen = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     seen = seen + within.part[i];

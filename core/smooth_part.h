@@ -388,20 +388,24 @@ Rgb<T> smooth_shows(const SmoothPart<T>& part, Vec3<T> light) {
 }
 
 // Listed lights shine on the lobes too. So what those show of a light is taken from its sparkles,
-// as far as it sparkles there; of a wide light the mean over `points_within`.
+// as far as it sparkles there; of a wide light the mean over kOfEight: with four places flakes of
+// GGX, tilted by 0.06, showed a lamp of half their reach 3 % too dark.
 template <class T>
 Rgb<T> smooth_sparkles(const Layer<T>& layer, const SmoothPart<T>* parts,
                        const SeenLight<T>& light) {
-  std::array<Vec3<T>, 4> towards{light.direction};
-  std::array<T, 4> part{1};
+  std::array<Vec3<T>, 8> towards{Vec3<T>(light.direction)};
+  std::array<T, 8> part{1};
   std::size_t points = 1;
   if (light.radius > 0) {
-    const PointsWithin<T> within = points_within(light);
-    for (std::size_t k = 0; k < 4; ++k) {
-      towards[k] = Vec3<T>(within.towards[k]);
-      part[k] = static_cast<T>(within.part[k]);
+    points = 0;
+    for (const long double radii : kOfEight) {
+      const PointsWithin<T> within = points_within(light, radii, points > 0);
+      for (std::size_t k = 0; k < 4; ++k) {
+        towards[points] = Vec3<T>(within.towards[k]);
+        part[points] = static_cast<T>(within.part[k]);
+        ++points;
+      }
     }
-    points = 4;
   }
   Rgb<T> sum{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {

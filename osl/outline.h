@@ -14,15 +14,22 @@ struct Outline {
   float inside;
 };
 
-void points_within(SeenLight light, output vector towards[4], output float part[4])
+#define OF_FOUR 0.707106781186547524401
+
+void points_within(SeenLight light, float radii, int between, output vector towards[4], output float part[4])
 {
   vector m = light.facing;
   float sign = m[2] < 0.0 ? -1.0 : 1.0;
   float a = -1.0 / (sign + m[2]);
   float b = m[0] * m[1] * a;
-  float off = 0.707106781186547524401 * light.radius;
+  float off = radii * light.radius;
   vector u = vector(1.0 + sign * m[0] * m[0] * a, sign * b, -(sign * m[0])) * off;
   vector v = vector(b, sign + m[1] * m[1] * a, -m[1]) * off;
+  if (between) {
+    vector turned = (u + v) * OF_FOUR;
+    v = (v - u) * OF_FOUR;
+    u = turned;
+  }
   towards[0] = light.direction + u;
   towards[1] = light.direction - u;
   towards[2] = light.direction + v;
@@ -42,7 +49,7 @@ Outline outline_of(SeenLight light, Mirror middle, float inside, vector n, vecto
   outline.inside = inside;
   vector towards[4];
   float part[4];
-  points_within(light, towards, part);
+  points_within(light, OF_FOUR, 0, towards, part);
   float seen = 0.0;
   for (int i = 0; i < 4; ++i) {
     seen = seen + part[i];

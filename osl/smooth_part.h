@@ -24,6 +24,8 @@
 #define LEAST_SMOOTH 0.2
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
+#define OF_EIGHT_INNER 0.459700843380983
+#define OF_EIGHT_OUTER 0.888073833977115
 
 struct Facets {
   vector facing;  // their normal
@@ -377,14 +379,22 @@ color smooth_shows(SmoothPart part, vector light)
 color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], SeenLight light, int flat)
 {
   color sum = color(0.0);
-  vector towards[4];
-  float part[4];
+  vector towards[8];
+  float part[8];
   int points = 1;
   towards[0] = light.direction;
   part[0] = 1.0;
   if (flat && light.radius > 0.0) {
-    points_within(light, towards, part);
-    points = 4;
+    points = 8;
+    for (int ring = 0; ring < 2; ++ring) {
+      vector within[4];
+      float share[4];
+      points_within(light, ring == 0 ? OF_EIGHT_INNER : OF_EIGHT_OUTER, ring, within, share);
+      for (int k = 0; k < 4; ++k) {
+        towards[4 * ring + k] = within[k];
+        part[4 * ring + k] = share[k];
+      }
+    }
   }
   for (int i = 0; i < layer.species; ++i) {
     SmoothPart of_species = parts[i];
