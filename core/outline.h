@@ -33,6 +33,7 @@ struct Outline {
 // inner. Seen from a distance of 1 a place at q shows cos/q^3 of its area.
 inline constexpr long double kOfFour = 0.707106781186547524401L;
 inline constexpr long double kOfEight[] = {0.459700843380983L, 0.888073833977115L};
+
 template <class T>
 struct PointsWithin {
   std::array<Vec3<Wide<T>>, 4> towards;  // unit

@@ -15,6 +15,7 @@ struct Outline {
 };
 
 #define OF_FOUR 0.707106781186547524401
+#define OF_EIGHT 0.459700843380983, 0.888073833977115
 
 void points_within(SeenLight light, float radii, int between, output vector towards[4], output float part[4])
 {

@@ -24,8 +24,6 @@
 #define LEAST_SMOOTH 0.2
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
-#define OF_EIGHT_INNER 0.459700843380983
-#define OF_EIGHT_OUTER 0.888073833977115
 
 struct Facets {
   vector facing;  // their normal
@@ -386,10 +384,11 @@ color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], SeenLight light, i
   part[0] = 1.0;
   if (flat && light.radius > 0.0) {
     points = 8;
+    float of_eight[2] = {OF_EIGHT};
     for (int ring = 0; ring < 2; ++ring) {
       vector within[4];
       float share[4];
-      points_within(light, ring == 0 ? OF_EIGHT_INNER : OF_EIGHT_OUTER, ring, within, share);
+      points_within(light, of_eight[ring], ring, within, share);
       for (int k = 0; k < 4; ++k) {
         towards[4 * ring + k] = within[k];
         part[4 * ring + k] = share[k];
