@@ -16,6 +16,7 @@
 #define WIDEST_LOBE 0.1
 #define GIVEN_TO_LOBE 0.05
 #define FLAKES_BESIDE 3
+#define FLAKES_LEANING 5
 
 struct MirroredSample {
   vector direction;

@@ -24,6 +24,8 @@
 #define LEAST_SMOOTH 0.2
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
+#define MOST_FALL 10.0
+#define LEAN_BACK 0.75
 
 struct Facets {
   vector facing;  // their normal
@@ -32,6 +34,7 @@ struct Facets {
   float alpha_x;
   float alpha_y;
   float view_along;
+  float view_across;
   float view_up;
   float view_masked;
   color weight;
@@ -66,11 +69,12 @@ float facets_show(Facets facets, vector light)
   float across = inner_product(light, facets.across);
   float masked = facets.view_masked + masking_lambda(masking_square(facets, along, across, up));
   float half_along = facets.view_along + along;
+  float half_across = facets.view_across + across;
   float half_up = facets.view_up + up;
   float x = half_along / facets.alpha_x;
-  float y = across / facets.alpha_y;
+  float y = half_across / facets.alpha_y;
   float per_up2 = 1.0 / (half_up * half_up);
-  float per_cos2 = (half_along * half_along + across * across) * per_up2 + 1.0;
+  float per_cos2 = (half_along * half_along + half_across * half_across) * per_up2 + 1.0;
   return exponential(-(x * x + y * y) * per_up2) * per_cos2 * per_cos2 /
          (4.0 * M_PI * facets.alpha_x * facets.alpha_y * facets.view_up * masked);
 }
@@ -169,6 +173,7 @@ Facets facets_at(vector n, vector towards, float slope, float x2, float y2, floa
   facets.alpha_x = clamp(sqrt(x2), 1e-3, 1.0);
   facets.alpha_y = clamp(sqrt(y2), 1e-3, 1.0);
   facets.view_along = (sin_view - slope * cos_view) * cosine;
+  facets.view_across = 0.0;
   facets.view_up = (cos_view + slope * sin_view) * cosine;
   facets.view_masked = 1.0 + masking_lambda(masking_square(facets, facets.view_along, 0.0, facets.view_up));
   facets.weight = color(0.0);
@@ -413,4 +418,60 @@ color smooth_sparkles(Layer layer, SmoothPart parts[SPECIES], SeenLight light, i
 color may_show(color lobes, color sparkles, color diffuse)
 {
   return min((sparkles + diffuse * SHOWN_TWICE) / max(lobes, color(1e-30)), color(1.0));
+}
+
+float fall_for(color may)
+{
+  return min(-logarithm(clamp(min(may[0], min(may[1], may[2])), 1e-6, 1.0)), MOST_FALL);
+}
+
+Facets lean_away(Facets facets, vector view, vector light, float fall)
+{
+  Facets away = facets;
+  if (!(facets.view_up > 0.0 && inner_product(light, facets.facing) > 0.0))
+    return away;
+  vector half = view + light;
+  float up = max(inner_product(half, facets.facing), 1e-6);
+  float x = inner_product(half, facets.along) / (up * facets.alpha_x);
+  float y = inner_product(half, facets.across) / (up * facets.alpha_y);
+  float off = sqrt(x * x + y * y);
+  int beside = off > 1e-6;
+  x = beside ? x / off : 1.0;
+  y = beside ? y / off : 0.0;
+  float back = LEAN_BACK / (1.0 + off);
+  float narrower = fall / ((off + back) * (off + back));
+  float aside = back * narrower / (1.0 + narrower);
+
+  float along2 = (1.0 + narrower * x * x) / (facets.alpha_x * facets.alpha_x);
+  float across2 = (1.0 + narrower * y * y) / (facets.alpha_y * facets.alpha_y);
+  float both = narrower * x * y / (facets.alpha_x * facets.alpha_y);
+  float apart = 0.5 * (along2 - across2);
+  float radius = sqrt(apart * apart + both * both);
+  float steep = sqrt(0.5 * (along2 + across2) + radius);
+  float less = sqrt(1.0 + narrower);
+  float axis_along = apart + radius;
+  float axis_across = both;
+  if (apart < 0.0) {
+    axis_along = both;
+    axis_across = radius - apart;
+  }
+  if (!(radius > 0.0))
+    axis_along = 1.0;
+
+  vector leaning = facets.facing - facets.along * (aside * x * facets.alpha_x) -
+                   facets.across * (aside * y * facets.alpha_y);
+  away.facing = leaning / sqrt(inner_product(leaning, leaning));
+  vector axis = facets.along * axis_along + facets.across * axis_across;
+  vector level = axis - away.facing * inner_product(axis, away.facing);
+  away.along = level / sqrt(inner_product(level, level));
+  away.across = cross(away.facing, away.along);
+  away.alpha_x = clamp(1.0 / steep, 1e-3, 1.0);
+  away.alpha_y = clamp(facets.alpha_x * facets.alpha_y * steep / less, 1e-3, 1.0);
+  away.view_along = inner_product(view, away.along);
+  away.view_across = inner_product(view, away.across);
+  away.view_up = inner_product(view, away.facing);
+  away.view_masked = 1.0 + masking_lambda(masking_square(away, away.view_along, away.view_across, away.view_up));
+  float seen = away.view_up * away.view_masked / (facets.view_up * facets.view_masked);
+  away.weight = facets.weight * (exponential(-aside * back) / less * clamp(seen, 0.0, 1.0));
+  return away;
 }

@@ -545,6 +545,12 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           same("what of the lobes may be shown",
                osl::may_show(to_osl(lobes), to_osl(some), to_osl(around)),
                may_show(lobes, some, around));
+          const Rgb<float> may = grey(0.9f / (1 + 10 * lobes.y));
+          const float fall = fall_for(may);
+          same("the fall for it", osl::fall_for(to_osl(may)), fall);
+          same_lobe(osl::lean_away(shader_part.narrow, surface.view, seen[at].direction, fall),
+                    lean_away(part.narrow, point.view,
+                              slots.seen[static_cast<std::size_t>(slot[at])].direction, fall));
         }
         auto shader_left = shader_sample;
         MirroredSample<float> left = sample;
