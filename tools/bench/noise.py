@@ -24,6 +24,8 @@ from bench.stage import THREADS
 PRESETS = ("silver-fine", "candy-red", "white-pearl", "silver-coarse")
 PRINCIPLED = "Principled"
 RADIUS = 0.1  # m, of the ball
+FRAME = 2.1  # radii of the ball, the picture's side
+SUN_IMAGE = 0.1  # rad of the ball about the sun's image in the coat
 AT_EQUAL_SAMPLES, AT_EQUAL_TIME = 1.5, 2.0  # of Principled's noise, at most
 
 
@@ -86,7 +88,11 @@ LIGHTS: dict[str, Callable[[], None]] = {
 
 
 class Ball:
-    """Balls of several materials in one place, of which a picture shows one."""
+    """Balls of several materials in one place, of which a picture shows one.
+
+    Its noise is judged without the image of a sun in the coat: a few pixels in which a sample more
+    or less is all the noise of a picture, and another with each pair of seeds. Rims are left out.
+    """
 
     def __init__(self, light: Callable[[], None], made: Callable[[], dict], size: int) -> None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -109,12 +115,26 @@ class Ball:
                 polygon.use_smooth = True
             material.assign(ball, each)
         data = bpy.data.cameras.new("Camera")
-        data.type, data.ortho_scale = "ORTHO", 2.1 * RADIUS
+        data.type, data.ortho_scale = "ORTHO", FRAME * RADIUS
         camera = scene.camera = bpy.data.objects.new("Camera", data)
         camera.location = Vector((0.1, -1, 0.35))
         camera.rotation_euler = camera.location.to_track_quat("Z", "Y").to_euler()
         scene.collection.objects.link(camera)
         needs.fit(scene)
+        self.judged = self.pixels_judged(size)
+
+    def pixels_judged(self, size: int) -> np.ndarray:
+        bpy.context.view_layer.update()
+        to_camera = self.scene.camera.matrix_world.to_quaternion().inverted()
+        y, x = (np.indices((size, size)) - (size - 1) / 2) * FRAME / size  # radii
+        judged = np.hypot(x, y) < 0.95
+        normal = np.stack([x, y, np.sqrt(np.maximum(1 - x**2 - y**2, 0))], axis=-1)
+        for item in self.scene.objects:
+            if item.type == "LIGHT" and item.data.type == "SUN":
+                towards = to_camera @ item.matrix_world.to_quaternion() @ Vector((0, 0, 1))
+                half = (towards + Vector((0, 0, 1))).normalized()
+                judged &= normal @ np.array(half) < math.cos(SUN_IMAGE)
+        return judged
 
     def picture(self, name: str, samples: int, seed: int = 0) -> np.ndarray:
         for each, ball in self.balls.items():
@@ -125,11 +145,8 @@ class Ball:
     def noise(self, name: str, samples: int) -> float:
         """Of brightness, relative to its mean over the ball."""
         one, other = (self.picture(name, samples, seed).mean(axis=-1) for seed in (1, 2))
-        y, x = np.indices(one.shape)
-        centre = (len(one) - 1) / 2
-        ball = np.hypot(x - centre, y - centre) < 0.95 * len(one) / 2.1
-        noise = math.sqrt(((one - other)[ball] ** 2).mean() / 2)
-        return noise / float((one + other)[ball].mean() / 2)
+        noise = math.sqrt(((one - other)[self.judged] ** 2).mean() / 2)
+        return noise / float((one + other)[self.judged].mean() / 2)
 
     def seconds(self, name: str, samples: int) -> float:
         def taken(count: int) -> float:
