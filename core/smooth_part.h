@@ -459,7 +459,9 @@ inline constexpr double kLeanBack = 0.75;
 
 template <class T>
 Facets<T> lean_away(const Facets<T>& facets, Vec3<T> view, Vec3<T> light, T fall) {
-  if (!(facets.view_up > 0 && dot(light, facets.normal) > 0)) return facets;
+  if (!(max_component(facets.weight) > 0 && facets.view_up > 0 && dot(light, facets.normal) > 0)) {
+    return facets;
+  }
   const Vec3<T> half = view + light;
   const T up = max(dot(half, facets.normal), T(1e-6));
   T x = dot(half, facets.along) / (up * facets.alpha_x);

@@ -428,7 +428,8 @@ float fall_for(color may)
 Facets lean_away(Facets facets, vector view, vector light, float fall)
 {
   Facets away = facets;
-  if (!(facets.view_up > 0.0 && inner_product(light, facets.facing) > 0.0))
+  float weight = max(max(facets.weight[0], facets.weight[1]), facets.weight[2]);
+  if (!(weight > 0.0 && facets.view_up > 0.0 && inner_product(light, facets.facing) > 0.0))
     return away;
   vector half = view + light;
   float up = max(inner_product(half, facets.facing), 1e-6);

@@ -548,9 +548,11 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           const Rgb<float> may = grey(0.9f / (1 + 10 * lobes.y));
           const float fall = fall_for(may);
           same("the fall for it", osl::fall_for(to_osl(may)), fall);
+          const auto towards = slots.seen[static_cast<std::size_t>(slot[at])].direction;
           same_lobe(osl::lean_away(shader_part.narrow, surface.view, seen[at].direction, fall),
-                    lean_away(part.narrow, point.view,
-                              slots.seen[static_cast<std::size_t>(slot[at])].direction, fall));
+                    lean_away(part.narrow, point.view, towards, fall));
+          same_lobe(osl::lean_away(shader_part.wide, surface.view, seen[at].direction, fall),
+                    lean_away(part.wide, point.view, towards, fall));
         }
         auto shader_left = shader_sample;
         MirroredSample<float> left = sample;
