@@ -200,15 +200,18 @@ color leave_beside(output MirroredSample mirrored, SmoothPart part, vector n, ve
   if (!(after > 0.0 && mirrored.variance > 0.0))
     return given;
 
-  float t = mirrored.variance;
+  float narrowed = sqrt(min(part.narrow.narrowed, part.wide.narrowed));
+  float t = mirrored.variance * narrowed;
+  mirrored.variance = t;
+  mirrored.drift = mirrored.drift * narrowed;
   vector across = level_across(n, mirrored.direction);
   vector along = cross(mirrored.direction, across);
   float pull_along = 0.0;
   float pull_across = 0.0;
   float bend_in = 0.0;
   float bend_across = 0.0;
-  float f_along = mirrored.along * mirrored.along - 1.0;
-  float f_across = mirrored.across * mirrored.across - 1.0;
+  float f_along = (mirrored.along * mirrored.along - 1.0) * narrowed;
+  float f_across = (mirrored.across * mirrored.across - 1.0) * narrowed;
   for (int i = 0; i < 2; ++i) {
     float k = shows[i] / after;
     if (k > 0.0) {

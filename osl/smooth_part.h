@@ -24,6 +24,7 @@
 #define LEAST_SMOOTH 0.2
 #define LEAST_RISE 0.2
 #define SHOWN_TWICE 2e-3
+#define LEAST_FALL 0.3
 #define MOST_FALL 10.0
 #define LEAN_BACK 0.75
 
@@ -37,6 +38,7 @@ struct Facets {
   float view_across;
   float view_up;
   float view_masked;
+  float narrowed;
   color weight;
 };
 
@@ -176,6 +178,7 @@ Facets facets_at(vector n, vector towards, float slope, float x2, float y2, floa
   facets.view_across = 0.0;
   facets.view_up = (cos_view + slope * sin_view) * cosine;
   facets.view_masked = 1.0 + masking_lambda(masking_square(facets, facets.view_along, 0.0, facets.view_up));
+  facets.narrowed = 1.0;
   facets.weight = color(0.0);
   return facets;
 }
@@ -422,7 +425,8 @@ color may_show(color lobes, color sparkles, color diffuse)
 
 float fall_for(color may)
 {
-  return min(-logarithm(clamp(min(may[0], min(may[1], may[2])), 1e-6, 1.0)), MOST_FALL);
+  float fall = -logarithm(clamp(min(may[0], min(may[1], may[2])), 1e-6, 1.0));
+  return fall < LEAST_FALL ? 0.0 : min(fall, MOST_FALL);
 }
 
 Facets lean_away(Facets facets, vector view, vector light, float fall)
@@ -473,6 +477,7 @@ Facets lean_away(Facets facets, vector view, vector light, float fall)
   away.view_up = inner_product(view, away.facing);
   away.view_masked = 1.0 + masking_lambda(masking_square(away, away.view_along, away.view_across, away.view_up));
   float seen = away.view_up * away.view_masked / (facets.view_up * facets.view_masked);
+  away.narrowed = facets.narrowed / (1.0 + narrower);
   away.weight = facets.weight * (exponential(-aside * back) / less * clamp(seen, 0.0, 1.0));
   return away;
 }

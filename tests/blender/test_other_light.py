@@ -495,7 +495,7 @@ def test_pixels_without_sparkles_show_a_softbox_as_well() -> None:
     assert noise < 2.7 * quiet_noise
     light, quiet_light = (each.sum(axis=(1, 2)) for each in (lively, quiet))
     error = math.hypot(light.std(ddof=1), quiet_light.std(ddof=1)) / math.sqrt(len(light))
-    # A leaning lobe shows up to 0.7 % of itself at its own horizon, where no flakes are.
+    # Leaning lobes show light at their own horizon, where no flakes are: 0.7 % of theirs in 95 %.
     bias = 0.01 * quiet_light.mean()
     assert abs(light.mean() - quiet_light.mean()) < bias + STANDARD_ERRORS * error
 

@@ -524,6 +524,12 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
         if (!(max_component(lobe.weight) > 0)) return;
         same("smooth lobe's normal", shader_lobe.facing, lobe.normal);
         same("smooth lobe's direction", shader_lobe.along, lobe.along);
+        same("smooth lobe's other direction", shader_lobe.across, lobe.across);
+        same("view by a smooth lobe",
+             osl::vector(shader_lobe.view_along, shader_lobe.view_across, shader_lobe.view_up),
+             {lobe.view_along, lobe.view_across, lobe.view_up});
+        same("view's masking by a smooth lobe", shader_lobe.view_masked, lobe.view_masked);
+        same("how narrow a smooth lobe got", shader_lobe.narrowed, lobe.narrowed);
         same("smooth lobe's alphas", osl::vector(shader_lobe.alpha_x, shader_lobe.alpha_y, 0),
              {lobe.alpha_x, lobe.alpha_y, 0});
       };
@@ -535,6 +541,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
         std::array<osl::SmoothPart, kSpecies> shader_parts;
         parts.fill(part);
         shader_parts.fill(shader_part);
+        SmoothPart<float> leaning = part;  // from one light after another
+        osl::SmoothPart shader_leaning = shader_part;
         for (int i = 0; i < lights; ++i) {
           const auto at = static_cast<std::size_t>(i);
           const Rgb<float> lobes =
@@ -549,20 +557,31 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           const float fall = fall_for(may);
           same("the fall for it", osl::fall_for(to_osl(may)), fall);
           const auto towards = slots.seen[static_cast<std::size_t>(slot[at])].direction;
-          same_lobe(osl::lean_away(shader_part.narrow, surface.view, seen[at].direction, fall),
-                    lean_away(part.narrow, point.view, towards, fall));
-          same_lobe(osl::lean_away(shader_part.wide, surface.view, seen[at].direction, fall),
-                    lean_away(part.wide, point.view, towards, fall));
+          leaning = {lean_away(leaning.narrow, point.view, towards, fall),
+                     lean_away(leaning.wide, point.view, towards, fall)};
+          const osl::vector from = seen[at].direction;
+          shader_leaning.narrow = osl::lean_away(shader_leaning.narrow, surface.view, from, fall);
+          shader_leaning.wide = osl::lean_away(shader_leaning.wide, surface.view, from, fall);
+          same_lobe(shader_leaning.narrow, leaning.narrow);
+          same_lobe(shader_leaning.wide, leaning.wide);
+          parts.fill(leaning);
+          shader_parts.fill(shader_leaning);
         }
-        auto shader_left = shader_sample;
-        MirroredSample<float> left = sample;
-        same("what the lobe is given",
-             osl::leave_beside(shader_left, shader_part, surface.n, to_osl(point.view)),
-             leave_beside(left, part, point.normal, point.view));
-        same("what is left beside it", shader_left.weight, left.weight);
-        same("its drift", shader_left.drift, left.drift);
-        same("its deviations", osl::vector(shader_left.along, shader_left.across, 0),
-             {left.along, left.across, 0});
+        const auto same_left = [&](const osl::SmoothPart& shader_beside,
+                                   const SmoothPart<float>& beside) {
+          auto shader_left = shader_sample;
+          MirroredSample<float> left = sample;
+          same("what the lobe is given",
+               osl::leave_beside(shader_left, shader_beside, surface.n, to_osl(point.view)),
+               leave_beside(left, beside, point.normal, point.view));
+          same("what is left beside it", shader_left.weight, left.weight);
+          same("its variance", shader_left.variance, left.variance);
+          same("its drift", shader_left.drift, left.drift);
+          same("its deviations", osl::vector(shader_left.along, shader_left.across, 0),
+               {left.along, left.across, 0});
+        };
+        same_left(shader_part, part);
+        same_left(shader_leaning, leaning);
       }
     }
     same("sample's drift", shader_sample.drift, sample.drift);
