@@ -201,7 +201,8 @@ inline constexpr int kFlakesBeside = 3, kFlakesLeaning = 5;
 //   (ln r)' = F' + sum k (F' - G'),
 //   (ln r)'' = F'' + sum (k (F'' - G'') - k (F' - G')^2) - (sum k (F' - G'))^2.
 // Lobes that lean away from a light leave r a ridge there, narrower by sqrt(1 + k): beside them t
-// is less by that. Less by 1 + k the noise would be a sixth more.
+// is less by that. A lamp's light is then off as beside others, by 1.7 % at most in 95 % of 150 (by
+// 2.6 % if t stays); with t less by 1 + k the noise is a sixth more.
 template <class T>
 Rgb<T> leave_beside(MirroredSample<T>& sample, const SmoothPart<T>& part, Vec3<T> normal,
                     Vec3<T> view) {
