@@ -45,7 +45,7 @@ struct Facets {
   T alpha_x{}, alpha_y{};
   T view_along{}, view_across{}, view_up{};  // of the view, by these three
   T view_masked{};                           // 1 + Lambda of the view, Smith's
-  T narrowed = 1;                            // 1/(1 + k) of lean_away
+  T narrowed = 1;                            // 1/(1 + k) of lean_lobe
   Rgb<T> weight{};                           // of the lobe; 0: there is none
 };
 
@@ -462,7 +462,7 @@ T fall_for(Rgb<T> may) {
 inline constexpr double kLeanBack = 0.75;
 
 template <class T>
-Facets<T> lean_away(const Facets<T>& facets, Vec3<T> view, Vec3<T> light, T fall) {
+Facets<T> lean_lobe(const Facets<T>& facets, Vec3<T> view, Vec3<T> light, T fall) {
   if (!(max_component(facets.weight) > 0 && facets.view_up > 0 && dot(light, facets.normal) > 0)) {
     return facets;
   }
@@ -512,6 +512,11 @@ Facets<T> lean_away(const Facets<T>& facets, Vec3<T> view, Vec3<T> light, T fall
   away.narrowed = facets.narrowed / (1 + narrower);
   away.weight = facets.weight * (exponential(-aside * back) / less * clamp(seen, T(0), T(1)));
   return away;
+}
+
+template <class T>
+SmoothPart<T> lean_away(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light, T fall) {
+  return {lean_lobe(part.narrow, view, light, fall), lean_lobe(part.wide, view, light, fall)};
 }
 
 }  // namespace metallic_paint

@@ -429,7 +429,7 @@ float fall_for(color may)
   return fall < LEAST_FALL ? 0.0 : min(fall, MOST_FALL);
 }
 
-Facets lean_away(Facets facets, vector view, vector light, float fall)
+Facets lean_lobe(Facets facets, vector view, vector light, float fall)
 {
   Facets away = facets;
   float weight = max(max(facets.weight[0], facets.weight[1]), facets.weight[2]);
@@ -479,5 +479,13 @@ Facets lean_away(Facets facets, vector view, vector light, float fall)
   float seen = away.view_up * away.view_masked / (facets.view_up * facets.view_masked);
   away.narrowed = facets.narrowed / (1.0 + narrower);
   away.weight = facets.weight * (exponential(-aside * back) / less * clamp(seen, 0.0, 1.0));
+  return away;
+}
+
+SmoothPart lean_away(SmoothPart part, vector view, vector light, float fall)
+{
+  SmoothPart away;
+  away.narrow = lean_lobe(part.narrow, view, light, fall);
+  away.wide = lean_lobe(part.wide, view, light, fall);
   return away;
 }

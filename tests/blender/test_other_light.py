@@ -192,20 +192,16 @@ class Expected:
         found = core.shade(self.core, [light_of(sun)], **self.place(pixel_m2))
         return sun.data.energy * found["mean_radiance"][0, 0]
 
-    def lamp(self, lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of a square lamp, the part of it that the flakes show, and what sparkles show more."""
+    def lamp(self, lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+        """Of a square lamp, and the part of it that its sparkles show more than the BRDF."""
         light, share = points_of(lamp)
         # A Lambertian emitter of that power.
         radiance = lamp.data.energy / (np.pi * lamp.data.size**2)
         whole = core.reflectance(self.core, light, **self.place())
-        flakes = radiance * share @ (flake_brdf(self.paint, self.view, light) * light[:, 2:])
         met = meets(lamp, self.view * [-1, -1, 1]) > 0
         mirrored = radiance * whole["mirror"][0] * met
-        return (
-            radiance * share @ whole["reflectance"][0] + mirrored,
-            flakes,
-            self.sparkling(lamp, radiance, light, share),
-        )
+        more = self.sparkling(lamp, radiance, light, share)
+        return radiance * share @ whole["reflectance"][0] + mirrored + more, more
 
     def sparkling(
         self, lamp: bpy.types.Object, radiance: float, light: np.ndarray, share: np.ndarray
@@ -299,8 +295,9 @@ PIXELS, WIDTH = 96, 0.01
 # Relative, of the means under the sun and the lamp. Under the world it is some 0.1 %.
 SUN_ERROR, LAMP_ERROR = 0.002, 0.002
 MOST_SAMPLES = 144
-# Of the flakes' part under a lamp: what wide cones may be off by, beside the standard errors.
-CONE_BIAS = 0.007
+# Of a lamp's light, beside the standard errors: lobes give what they show too much at their foot to
+# their middle, and cones blur. Of 93 fresh paints 95 % were off by up to 0.84 %, one by 1.04 %.
+LAMP_BIAS = 0.01
 
 
 def mirrored(
@@ -390,9 +387,8 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     by_sun = shown(4)
 
     of_sun, of_world = expected.sun(sun, pixel_m2), expected.world(0.5)
-    of_lamp, by_flakes, more = expected.lamp(lamp)
-    of_lamp = of_lamp + more
-    bias = CONE_BIAS * by_flakes
+    of_lamp, more = expected.lamp(lamp)
+    bias = LAMP_BIAS * of_lamp
     expect_equal(by_sun, of_sun)
     expect_equal(by_world, of_world)
     expect_equal(by_lamp, of_lamp, bias=bias)
@@ -564,4 +560,4 @@ def test_a_light_beyond_the_slots_lights_the_mean() -> None:
     f = flake_brdf(paint, view, light[None])[0]
     expected = f * light[2] * sun.data.energy
     # Wide cones blur what is brighter near the view, where flakes hide one another less.
-    expect_equal(probe.image(verify.LOBE), expected, bias=CONE_BIAS * expected, noise=0.01)
+    expect_equal(probe.image(verify.LOBE), expected, bias=0.007 * expected, noise=0.01)

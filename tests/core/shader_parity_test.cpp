@@ -557,11 +557,8 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
           const float fall = fall_for(may);
           same("the fall for it", osl::fall_for(to_osl(may)), fall);
           const auto towards = slots.seen[static_cast<std::size_t>(slot[at])].direction;
-          leaning = {lean_away(leaning.narrow, point.view, towards, fall),
-                     lean_away(leaning.wide, point.view, towards, fall)};
-          const osl::vector from = seen[at].direction;
-          shader_leaning.narrow = osl::lean_away(shader_leaning.narrow, surface.view, from, fall);
-          shader_leaning.wide = osl::lean_away(shader_leaning.wide, surface.view, from, fall);
+          leaning = lean_away(leaning, point.view, towards, fall);
+          shader_leaning = osl::lean_away(shader_leaning, surface.view, seen[at].direction, fall);
           same_lobe(shader_leaning.narrow, leaning.narrow);
           same_lobe(shader_leaning.wide, leaning.wide);
           parts.fill(leaning);

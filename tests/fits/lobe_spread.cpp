@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
     left.push_back(error_beside());
     const Vec3<double> sun = above_the_horizon();
     const double fall = random.log_uniform(kLeastFall, kMostFall);
-    part = {lean_away(part.narrow, view, sun, fall), lean_away(part.wide, view, sun, fall)};
+    part = lean_away(part, view, sun, fall);
     leaning.push_back(error_beside());
     if ((i + 1) % 20 == 0) std::fprintf(stderr, "%d of %d lamps\n", i + 1, kCases);
   }
