@@ -102,7 +102,7 @@ PARTS: dict[str, Text] = {
         "  if (given.texture_contrast > 0.0)", "  stack.diffuse = stack.diffuse * stack"
     ),
     "orange peel": cut("  if (given.orange_peel > 0.0)\n    coat_n", "  if (inner_product(coat_n"),
-    "published composition": cut("      if (paint.composition ==", "      if (smooth)"),
+    "published composition": cut("      if (paint.composition ==", "      drawn[i] = here;"),
     "sparkle contrast": full_contrast,
     "coating library": no_library,
 }
