@@ -17,9 +17,10 @@ ADD_ON = __name__  # as Blender knows it
 
 # Each has register() and unregister().
 _MODULES = (
-    "interface.operators", "interface.preset_operators", "interface.rest_position",
-    "interface.panel", "scene.follow", "scene.imports", "interface.library", "interface.denoise",
-    "interface.quality", "interface.report", "interface.verify",
+    "interface.operators", "interface.preset_operators", "interface.live",
+    "interface.rest_position", "interface.panel", "scene.follow", "scene.imports",
+    "interface.library", "interface.denoise", "interface.quality", "interface.report",
+    "interface.verify",
 )  # fmt: skip
 
 

@@ -601,6 +601,52 @@ def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
     assert paint == addon("paint.presets").load("gold")
 
 
+def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.Object) -> None:
+    """Of a paint and of its copy, which gets values of its own by a fit, not by a step of undo."""
+    live, material = addon("paint.live"), addon("paint.material")
+
+    def step(message: str) -> None:
+        update()
+        bpy.ops.ed.undo_push(message=message)
+
+    def node() -> bpy.types.ShaderNodeGroup:
+        return material.paint_node(bpy.context.object.active_material)
+
+    def seen() -> tuple[str, bool, float]:
+        assert addon("scene.needs").is_fitted(bpy.context.scene)
+        tilt = live.value(node().inputs["Tilt"])
+        return bpy.context.object.active_material.name, live.is_live(node()), round(tilt, 6)
+
+    for name in ("Nothing yet", "Still nothing"):
+        step(name)
+    first = seen()
+    bpy.ops.material.metallic_paint_live()
+    step("Live")
+    states = [first, seen()]
+    live.set_value(node().inputs["Tilt"], 0.3)
+    step("Value")
+    states.append(seen())
+    bpy.context.object.active_material = bpy.context.object.active_material.copy()
+    step("Copy")
+    states.append(seen())
+    live.set_value(node().inputs["Tilt"], 0.4)
+    step("Value of the copy")
+    states.append(seen())
+    bpy.ops.material.metallic_paint_live()
+    step("Off")
+    states.append(seen())
+    assert [each[1:] for each in states] == [
+        (False, 0.15), (True, 0.15), (True, 0.3), (True, 0.3), (True, 0.4), (False, 0.4)
+    ]  # fmt: skip
+    for _ in range(2):
+        for expected in states[-2::-1]:
+            assert bpy.ops.ed.undo() == {"FINISHED"}
+            assert seen() == expected
+        for expected in states[1:]:
+            assert bpy.ops.ed.redo() == {"FINISHED"}
+            assert seen() == expected
+
+
 @pytest.mark.parametrize("step", ["undo", "redo"])
 def test_what_undo_may_free_is_not_pointed_at(addon: Addon, step: str) -> None:
     lamp, carrier, needs = add("POINT", "Lamp", 1), addon("scene.carrier"), addon("scene.needs")

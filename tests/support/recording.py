@@ -68,14 +68,20 @@ class Layout:
         return Properties()
 
     def prop(self, data: object, name: str, text: str = "") -> None:
-        assert name in data.bl_rna.properties, name
+        if name.startswith("["):  # a property of the datablock's own
+            data.path_resolve(name)
+        else:
+            assert name in data.bl_rna.properties, name
         self.properties.append(name)
         self.labels.append(text)
 
     def template_icon_view(
         self, data: object, name: str, show_labels: bool, scale: float, scale_popup: float
     ) -> None:
-        assert name in data.bl_rna.properties, name
+        if name.startswith("["):  # a property of the datablock's own
+            data.path_resolve(name)
+        else:
+            assert name in data.bl_rna.properties, name
         assert isinstance(show_labels, bool)
         assert min(scale, scale_popup) > 0
         self.icon_views.append(name)

@@ -18,7 +18,7 @@ from common import blender_env
 blender_env.prepare()
 
 import bpy  # noqa: E402
-from metallic_paint.paint import material, presets  # noqa: E402
+from metallic_paint.paint import live, material, presets  # noqa: E402
 from pictures import render_scene  # noqa: E402
 from verification import scenes  # noqa: E402
 
@@ -41,11 +41,15 @@ def make(contender: str, count: int) -> list[bpy.types.Material]:
         return [shared.linked_paint()]
     if contender == "presets":
         paints = [presets.load(name) for name in presets.names()[:count]]
-    elif contender == "varied":
+    elif contender in ("varied", "live"):
         paints = varied(count)
     else:
         paints = [of_flakes(float(contender))]
-    return [material.create(paint) for paint in paints]
+    made = [material.create(paint) for paint in paints]
+    if contender == "live":
+        for each, paint in zip(made, paints, strict=True):
+            live.begin(material.paint_node(each), paint)
+    return made
 
 
 def stand(stage: Stage, contender: str, made: list[bpy.types.Material], count: int) -> None:
@@ -66,7 +70,8 @@ def step_slider(contender: str, made: bpy.types.Material) -> None:
         thing = bpy.data.objects["all"]
         shared.give(thing, {"Tilt": thing["Tilt"] + STEP})
     elif material.has_paint(made):
-        material.paint_node(made).inputs["Tilt"].default_value += STEP
+        tilt = material.paint_node(made).inputs["Tilt"]
+        live.set_value(tilt, live.value(tilt) + STEP)
     else:
         made.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value += STEP
 
@@ -107,7 +112,7 @@ def wait(contender: str, count: int, steps: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "contender", help="principled, varied, presets, shared, or a number of flakes per m²"
+        "contender", help="principled, varied, live, presets, shared, or a number of flakes per m²"
     )
     parser.add_argument("--count", type=int, default=1, help="paints or materials")
     parser.add_argument("--steps", type=int, default=0, help="of sliders and lamps")

@@ -27,10 +27,11 @@ class Session:
 
 
 ONE_METAL, ONE_PAINT = Session("principled", steps=3), Session("varied", steps=3)
+LIVE = Session("live", steps=3)
 METALS, VARIED, PRESETS = (Session(c, MANY) for c in ("principled", "varied", "presets"))
 SHARED = Session("shared", MANY, steps=3)
 FEW, DENSE = Session(FEW_FLAKES), Session(MANY_FLAKES)
-SHORT = (ONE_METAL, ONE_PAINT, METALS, SHARED, FEW, DENSE)
+SHORT = (ONE_METAL, ONE_PAINT, LIVE, METALS, SHARED, FEW, DENSE)
 LONG = (PRESETS, VARIED)  # held once: their times are long enough to be sure
 Times = dict[Session, dict[str, list[float]]]
 
@@ -77,14 +78,16 @@ def _waits(found: Times) -> list[Row]:
     if VARIED in found:
         what = f"before the first sample: {MANY} paints of other values"
         many.append(over_first(what, found[VARIED]["first"], 60))
-    shared = found[SHARED]
+    shared, lively = found[SHARED], found[LIVE]
     what = f"before the first sample: {MANY} presets by properties of objects, one material"
     many.append(over_first(what, shared["first"], None))
     return [
         over_first("before the first sample: one paint", paint["first"], 5),
+        over_first("before the first sample: one with live sliders", lively["first"], None),
         *many,
         over_first(f"before the first sample: {MANY} Principled", found[METALS]["first"], None),
         over_first("after a slider's step: the paint", paint["slider"], 5),
+        over_first("after a step of a live slider: the paint", lively["slider"], 5),
         over_first("after a slider's step: Principled", metal["slider"], None),
         over_first("after a step of an object's property", shared["slider"], None),
         above("after a lamp's move", "move"),

@@ -25,7 +25,7 @@ OF_SUBCLASSES = {
     "ActionStrip": ("channelbag",),
     "AddonPreferences": ("compute_device_type",),
     "Light": ("energy", "shadow_soft_size"),
-    "Node": ("distribution", "node_tree", "script"),
+    "Node": ("attribute_name", "distribution", "node_tree", "script"),
     "NodeSocket": ("default_value",),
     "NodeTreeInterfaceItem": ("default_value", "max_value", "min_value", "subtype"),
     "Space": (

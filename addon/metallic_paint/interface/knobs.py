@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import bpy
 
-from ..paint import PARAMETERS, Parameter
+from ..paint import PARAMETERS, Parameter, live
 
 TINT = "metallic_paint_tint"
 _ABSORPTION = PARAMETERS["binder_absorption_per_mm"].label
@@ -63,7 +64,7 @@ def _title(word: str) -> str:
 def _thickness_mm(node: bpy.types.ShaderNodeGroup) -> float:
     """0 where it is not a number of the node's own."""
     socket = _socket(node, _THICKNESS)
-    return 0.0 if socket is None or socket.is_linked else socket.default_value / 1000
+    return 0.0 if socket is None or live.is_linked(socket) else live.value(socket) / 1000
 
 
 def _tint(node: bpy.types.ShaderNodeGroup) -> list[float]:
@@ -72,7 +73,7 @@ def _tint(node: bpy.types.ShaderNodeGroup) -> list[float]:
     thickness = _thickness_mm(node)
     if absorption is None:
         return [1.0, 1.0, 1.0]
-    return [math.exp(-per_mm * thickness) for per_mm in absorption.default_value]
+    return [math.exp(-per_mm * thickness) for per_mm in live.value(absorption)]
 
 
 def _set_tint(node: bpy.types.ShaderNodeGroup, color: Sequence[float]) -> None:
@@ -81,9 +82,8 @@ def _set_tint(node: bpy.types.ShaderNodeGroup, color: Sequence[float]) -> None:
     if absorption is None or thickness <= 0:
         return
     most = PARAMETERS["binder_absorption_per_mm"].maximum
-    absorption.default_value = [
-        min(-math.log(min(max(share, _DARKEST), 1)) / thickness, most) for share in color
-    ]
+    per_mm = (min(-math.log(min(max(share, _DARKEST), 1)) / thickness, most) for share in color)
+    live.set_value(absorption, tuple(per_mm))
 
 
 def coverage(node: bpy.types.ShaderNodeGroup) -> float | None:
@@ -99,9 +99,9 @@ def coverage(node: bpy.types.ShaderNodeGroup) -> float | None:
         )
         if count is None or diameter is None:
             continue
-        if count.is_linked or diameter.is_linked:
+        if live.is_linked(count) or live.is_linked(diameter):
             return None
-        total += count.default_value * math.pi / 4 * (diameter.default_value / 1000) ** 2
+        total += live.value(count) * math.pi / 4 * (live.value(diameter) / 1000) ** 2
     return total
 
 
@@ -129,13 +129,17 @@ def draw_socket(
     if socket is None or not hasattr(socket, "default_value") or socket.hide_value:
         return
     row = layout.row()
-    row.enabled = node.id_data.is_editable and not socket.is_linked
+    row.enabled = node.id_data.is_editable and not live.is_linked(socket)
+    where: Any = socket
+    which = "default_value"
+    if (place := live.place_of(socket)) is not None:
+        where, which = place[0], f'["{place[1]}"]'
     if label in _CHOICE_OF:
         _draw_choice(row, node, _CHOICE_OF[label], text or label)
     elif socket.type == "VECTOR":
-        row.column(align=True).prop(socket, "default_value", text=text or label)
+        row.column(align=True).prop(where, which, text=text or label)
     else:
-        row.prop(socket, "default_value", text=text or label)
+        row.prop(where, which, text=text or label)
 
 
 def _draw_choice(
@@ -163,7 +167,7 @@ def draw_first(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> s
     absorption = _socket(node, _ABSORPTION)
     if absorption is not None and _thickness_mm(node) > 0:
         row = layout.row()
-        row.enabled = node.id_data.is_editable and not absorption.is_linked
+        row.enabled = node.id_data.is_editable and not live.is_linked(absorption)
         row.prop(node, TINT, text="Lacquer")
     draw_socket(layout, node, PARAMETERS["coat_roughness"].label, "Roughness")
     covered = coverage(node)

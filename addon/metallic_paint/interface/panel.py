@@ -10,7 +10,7 @@ import bpy
 
 from ..paint import PANELS, material, migration
 from ..scene import follow, lights, needs, rest_position
-from . import knobs, operators, preset_operators
+from . import knobs, live, operators, preset_operators
 from .rest_position import SCENE_OT_metallic_paint_add_rest_position
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ class _PaintPanel:
         if node is not None:
             amount = knobs.draw_first(_values(layout), node)
             draw_lines(layout, amount)
+            live.draw(layout, node)
         if missing := material.missing(context.scene):
             box = layout.box()
             draw_lines(box, missing, "ERROR")

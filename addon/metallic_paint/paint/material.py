@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..scene import carrier, lights
-from . import animation, preview, shader, solid
+from . import animation, live, preview, shader, solid
 from .parameters import (
     BINDER,
     FLAKES,
@@ -130,19 +130,21 @@ def new_node(
 
 
 def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) -> None:
-    """Sets every socket of a paint that exists to the paint's values.
+    """Sets every socket of a paint that exists to the paint's values; live ones stay live.
 
     A material that is the paint and no more also takes its look, for the Solid view.
 
     Raises PaintError, with nothing changed, where the node is of another version.
     """
     node = _todays_node(target)
+    anew = live.is_live(node) and not live.animated(node)  # which are depends on the paint
+    if anew:
+        live.end(node)
     for name, parameter in PARAMETERS.items():
         value = shader_value(parameter, value_of(paint, name))
-        socket = node.inputs[parameter.label]
-        socket.default_value = (
-            (*value, 1.0) if isinstance(value, tuple) and socket.type == "RGBA" else value
-        )
+        live.set_value(node.inputs[parameter.label], value)
+    if anew:
+        live.begin(node, paint)
     for owner in bpy.data.materials:
         if owner.node_tree == node.id_data and is_pure(owner):
             _show_in_solid_view(owner, paint)
@@ -174,7 +176,7 @@ def _look_of(owner: bpy.types.Material) -> tuple[float, ...]:
 
 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
-    """The paint that the sockets hold; links and drivers on them are not part of it.
+    """The paint that the sockets hold, or their live values; no links and drivers on them.
 
     Raises PaintError with field, value and range where a socket holds what no paint can have, and
     where the node is of another version.
@@ -208,7 +210,7 @@ def _todays_node(
 
 def _field(parameter: Parameter, socket: bpy.types.NodeSocket) -> float | int | str | Color:
     """The inverse of shader_value: a socket's value as the paint's field has it."""
-    value = socket.default_value
+    value = live.value(socket)
     if parameter.choices:
         return parameter.choices[min(max(value, 0), len(parameter.choices) - 1)]
     if isinstance(value, int):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What changes while one works: the lights' directions, places and sizes, and the frame.
+"""What changes while one works: the lights' directions, places and sizes, the frame, and the values
+of paints whose sliders are live (paint/live.py).
 
 Blender writes the values of nodes into the shader and compiles it anew for each change. What an
 Attribute node finds at an object it reads in the render. So one datablock of the file holds these
@@ -66,6 +67,7 @@ _RECTANGULAR = (
 )
 
 _FRAME, _FILE, _GROUP = "Frame", "File", "Group"
+_LIVE = "Live"  # the first word of the names of live values
 FRAME_PATH = f'["{_POINTER}"]["{_FRAME}"]'  # where such an object has the scene's frame
 FILE_PATH = f'["{_POINTER}"]["{_FILE}"]'  # where a scene has what constants of linked paints are
 
@@ -89,6 +91,28 @@ def facing_path(slot: int) -> str:
     in the fourth place the slot's kind.
     """
     return f'["{_POINTER}"]["{_facing_name(slot)}"]'
+
+
+def live_name(key: str, label: str) -> str:
+    """Of a live value: the paint that has it, and the socket's label."""
+    return f"{_LIVE} {key} {label}"
+
+
+def live_path(name: str) -> str:
+    """Where an object that shows a paint has a live value."""
+    return f'["{_POINTER}"]["{name}"]'
+
+
+def keep_live(keys: Collection[str]) -> None:
+    """Of the live values only those of these paints."""
+    for tree in all_of_file():
+        for name in filter(_is_live, [*tree.keys()]):
+            if name.split()[1] not in keys:
+                del tree[name]
+
+
+def _is_live(name: str) -> bool:
+    return name.startswith(f"{_LIVE} ")
 
 
 def _name(slot: int, kind: int | None = None) -> str:
@@ -236,7 +260,8 @@ def feed(lights: Sequence[Placed]) -> None:
     for data_path, index in _driven(tree):
         tree.driver_remove(data_path, index)
     for name in {*tree.keys()} - {_MARK, _FRAME, _FILE, _GROUP}:
-        del tree[name]
+        if not _is_live(name):
+            del tree[name]
     set_values(lights)
     for slot, light in enumerate(lights, 1):
         if not light.followed:
@@ -406,11 +431,19 @@ def _follows_frame(tree: bpy.types.NodeTree) -> bool:
 
 
 def let_go() -> None:
-    """The values stay, and follow nothing any more."""
+    """The values stay, and follow nothing any more; live values go on as they are animated."""
     for tree in all_of_file():
-        tree.animation_data_clear()
+        forget_lights(tree)
         for slot in range(1, SLOTS + 1):
             tree.pop(_instance_name(slot), None)
+
+
+def forget_lights(tree: bpy.types.NodeTree) -> None:
+    """No driver leads to a light or the frame any more."""
+    for curve in _curves(tree):
+        tree.driver_remove(curve.data_path, curve.array_index)
+    if tree.animation_data and not (tree.animation_data.drivers or tree.animation_data.action):
+        tree.animation_data_clear()
 
 
 def is_fed_by(lights: Sequence[Placed]) -> bool:
@@ -462,8 +495,10 @@ def _driven(tree: bpy.types.NodeTree) -> dict[tuple[str, int], list[bpy.types.ID
     }
 
 
-def _curves(tree: bpy.types.NodeTree) -> bpy.types.AnimDataDrivers | tuple[()]:
-    return tree.animation_data.drivers if tree.animation_data else ()
+def _curves(tree: bpy.types.NodeTree) -> list[bpy.types.FCurve]:
+    """The drivers, without those that artists gave live values."""
+    drivers = tree.animation_data.drivers if tree.animation_data else ()
+    return [curve for curve in drivers if not _is_live(curve.data_path.removeprefix('["'))]
 
 
 def _drive(

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.app.handlers import persistent
 
-from ..paint import material
+from ..paint import live, material
 from . import lights, needs
 
 REST_SECONDS = 0.3
@@ -138,6 +138,7 @@ def _before_saving(*_: object) -> None:
     _state.rendering = False
     bpy.context.view_layer.update()
     _fit_if_changed()
+    live.settle_all()
 
 
 @persistent

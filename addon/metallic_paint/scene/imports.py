@@ -25,7 +25,7 @@ def _imported(context: bpy.types.BlendImportContext, *_: object) -> None:
     sources = [each for tree in fed for each in carrier.sources_of(tree)]
     there = [lamp for lamp in lights.in_slots() if lamp not in arrived]
     for tree in fed:
-        tree.animation_data_clear()
+        carrier.forget_lights(tree)
     unasked = [
         thing
         for thing, info in arrived.items()

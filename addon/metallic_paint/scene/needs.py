@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..paint import material
+from ..paint import live, material
 from . import carrier, lights, placed, sky
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
@@ -87,6 +87,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
         return Needs(lights.Report((), {}, lights.linked_files()), (), own=False)
     _state["fitting"] = True  # the scene is updated, which calls handlers
     try:
+        live.keep_apart()
         report = lights.fill(scene)
         things = _things(lights.used_layers(scene))
         other_light = tuple(_other_light(scene, report, things))
@@ -124,7 +125,11 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
     shared = bool(lights.linked_groups())
     if not lights.is_current(groups[0]) or not carrier.is_attached_to_scenes(shared):
         return False
-    if carrier.has_lost_lamp() or not carrier.is_attached(lights.showing_paint()):
+    if (
+        not live.are_apart()
+        or carrier.has_lost_lamp()
+        or not carrier.is_attached(lights.showing_paint())
+    ):
         return False
     return groups[0].get(_FITTED_TO) == _fingerprint(scene)
 

@@ -15,7 +15,7 @@ import bpy
 
 from .. import denoise
 from ..native import core_missing
-from ..paint import PARAMETERS, PaintError, material
+from ..paint import PARAMETERS, PaintError, live, material
 from . import lights, needs, placed, reach, rest_position
 from .expected import Expected, expect
 from .placed import Placed
@@ -162,7 +162,7 @@ class _Surface:
 
 def _sparkles(node: bpy.types.ShaderNodeGroup) -> bool:
     contrast = node.inputs[_CONTRAST]
-    return contrast.is_linked or contrast.default_value > 0
+    return live.is_linked(contrast) or live.value(contrast) > 0
 
 
 def _left_behind(
@@ -270,7 +270,7 @@ def _judge(label: str, node: bpy.types.ShaderNodeGroup, expected: Expected) -> I
             f"{_number(expected.most_sparkles)} where there are most."
         ),
     )
-    linked = [socket.name for socket in node.inputs if socket.is_linked and socket.type != "VECTOR"]
+    linked = [each.name for each in node.inputs if each.type != "VECTOR" and live.is_linked(each)]
     if linked:
         yield INFO, f"{label}: the numbers do not follow what is linked to {', '.join(linked)}."
     if expected.most_sparkles > _MANY:

@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 
 from ..native import core_lights
-from ..paint import core_paint, material
+from ..paint import core_paint, live, material
 from ..scene import lights, placed, sight
 from .comparison import MOST_RADIANCE_ERROR, MOST_STACK_ERROR, compare, predict, stack_error
 from .diagnostics import (
@@ -241,6 +241,7 @@ def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str
     """
     layer.update()
     path = next(material.paint_paths(painted.node_tree))
+    live.end(path[-1])
     tree, notes = painted.node_tree, []
     given = [_given(path, socket, painted, layer) for socket in path[-1].inputs]
     node, kept = path[-1], set(material.GEOMETRY.values())
