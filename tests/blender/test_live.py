@@ -13,13 +13,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import OpenImageIO
 import pytest
 from metallic_paint import verify
-from metallic_paint.interface import knobs
+from metallic_paint.interface import knobs, preset_operators
 from metallic_paint.interface import live as button
 from metallic_paint.paint import PARAMETERS, Flakes, Paint, live, material, presets, value_of
 from metallic_paint.scene import carrier, follow, needs
@@ -247,6 +248,21 @@ def test_the_material_alone_brings_the_values_of_the_last_save(
     assert link or material.paint_of(node_of(ball)).binder_absorption_per_mm == (30.0, 2.0, 0.5)
 
 
+def test_a_preset_names_what_is_not_its_own(ball: bpy.types.Object) -> None:
+    """Live values it sets; those with keys are another's in the next frame."""
+    node = go_live(ball)
+    home, name = live.place_of(node.inputs["Tilt"])
+    told: list[str] = []
+    asked = SimpleNamespace(report=lambda _, text: told.append(text))
+    context = SimpleNamespace(object=ball, material=ball.active_material)
+    assert preset_operators._apply(asked, context, "silver-coarse") == {"FINISHED"}
+    assert told == []
+    home, name = live.place_of(node.inputs["Tilt"])
+    home.keyframe_insert(f'["{name}"]', frame=1)
+    preset_operators._apply(asked, context, "candy-red")
+    assert told == ["Linked or animated, not the preset's: Tilt."]
+
+
 def test_saving_settles_the_values(ball: bpy.types.Object, tmp_path: Path) -> None:
     node = go_live(ball)
     live.set_value(node.inputs["Tilt"], 0.25)
@@ -260,33 +276,59 @@ def test_saving_settles_the_values(ball: bpy.types.Object, tmp_path: Path) -> No
     assert live.value(node.inputs["Tilt"]) == 0.25
 
 
-def test_a_copy_gets_values_of_its_own(ball: bpy.types.Object) -> None:
-    """Both of a material and of an object, which shares its material."""
+def test_a_copy_has_the_same_sliders_until_it_gets_its_own(ball: bpy.types.Object) -> None:
+    """Nothing but a step that can be undone makes a group: undo would free any other."""
     node = go_live(ball)
     live.set_value(node.inputs["Tilt"], 0.25)
     other = ball.copy()
     bpy.context.scene.collection.objects.link(other)
-    other.data = ball.data.copy()
     other.active_material = ball.active_material.copy()
-    assert not needs.is_fitted(bpy.context.scene)
+    groups = len(bpy.data.node_groups)
     needs.fit(bpy.context.scene)
     assert needs.is_fitted(bpy.context.scene)
+    assert len(bpy.data.node_groups) == groups
     theirs = node_of(other)
     assert live.value(theirs.inputs["Tilt"]) == 0.25
+    assert live.is_shared(theirs)
+    with operator(), bpy.context.temp_override(object=other, active_object=other):
+        assert bpy.ops.material.metallic_paint_live_single() == {"FINISHED"}
+        assert not bpy.ops.material.metallic_paint_live_single.poll()
+    assert not live.is_shared(node)
     live.set_value(theirs.inputs["Tilt"], 0.4)
     assert live.value(node.inputs["Tilt"]) == 0.25
+    needs.fit(bpy.context.scene)
+    shown = picture()
     live.end(theirs)
     assert live.value(node.inputs["Tilt"]) == 0.25
     assert theirs.inputs["Tilt"].default_value == pytest.approx(0.4)
+    needs.fit(bpy.context.scene)
+    np.testing.assert_allclose(picture(), shown, rtol=2e-3, atol=1e-4)
 
 
-def test_the_same_paint_appended_twice_has_the_values_of_its_file(
-    ball: bpy.types.Object, tmp_path: Path
-) -> None:
+def test_one_of_two_that_share_may_end(ball: bpy.types.Object) -> None:
     node = go_live(ball)
+    copy = ball.active_material.copy()
+    live.set_value(node.inputs["Tilt"], 0.25)
+    live.end(material.paint_node(copy))
+    assert live.value(node.inputs["Tilt"]) == 0.25
+    assert material.paint_of(copy).tilt == 0.25
+
+
+@pytest.mark.parametrize("saved", [True, False], ids=["of a save", "not settled"])
+def test_an_appended_paint_has_the_values_of_its_file(
+    ball: bpy.types.Object, saved: bool, tmp_path: Path
+) -> None:
+    """The same paint stands here already: that keeps its values and keys, whatever its name."""
+    node = go_live(ball)
+    live.set_value(node.inputs["Tilt"], 0.3)
+    if saved:
+        live.settle_all()
     file = str(tmp_path / "theirs.blend")
     bpy.ops.wm.save_as_mainfile(filepath=file, copy=True)
+    ball.active_material.name = "Zinnober"
     live.set_value(node.inputs["Tilt"], 0.4)
+    home, name = live.place_of(node.inputs["Tilt"])
+    home.keyframe_insert(f'["{name}"]', frame=1)
     with bpy.data.libraries.load(file) as (_, into):
         into.objects = ["Ball"]
     bpy.context.scene.collection.objects.link(into.objects[0])
@@ -294,9 +336,74 @@ def test_the_same_paint_appended_twice_has_the_values_of_its_file(
     theirs = node_of(into.objects[0])
     assert theirs != node
     assert live.is_live(theirs)
-    assert live.value(theirs.inputs["Tilt"]) == pytest.approx(0.12)
-    assert live.value(node.inputs["Tilt"]) == 0.4
+    assert live.value(theirs.inputs["Tilt"]) == pytest.approx(0.3)
+    assert live.value(node.inputs["Tilt"]) == pytest.approx(0.4)
+    assert live.animated(node) == ["Tilt"]
+    assert live.animated(theirs) == []
     assert needs.is_fitted(bpy.context.scene)
+
+
+def test_a_local_copy_of_a_linked_paint_does_not_move_that(
+    ball: bpy.types.Object, tmp_path: Path
+) -> None:
+    ball.active_material.asset_mark()  # as such it follows the lights of this file
+    go_live(ball)
+    live.settle_all()
+    linked = link_paint(ball, tmp_path / "theirs.blend")
+    other = ball.copy()
+    bpy.context.scene.collection.objects.link(other)
+    other.data = ball.data.copy()
+    other.active_material = linked.copy()
+    feeder = next(
+        each for each in other.active_material.node_tree.nodes if each.name == "Live Sliders"
+    )
+    feeder.node_tree = feeder.node_tree.copy()
+    needs.fit(bpy.context.scene)
+    assert needs.is_fitted(bpy.context.scene)
+    live.set_value(node_of(other).inputs["Tilt"], 0.5)
+    assert live.value(node_of(other).inputs["Tilt"]) == 0.5
+    assert live.value(node_of(ball).inputs["Tilt"]) == pytest.approx(0.12)
+    assert live.place_of(node_of(ball).inputs["Tilt"]) is None
+    assert not live.is_linked(node_of(ball).inputs["Tilt"])
+    assert knobs.coverage(node_of(ball)) == pytest.approx(1900 * math.pi / 4 * 0.028**2)
+
+
+@pytest.mark.parametrize("use", ["math", "reroute", "output", "two paints", "other input", "muted"])
+def test_the_node_may_be_used_as_any_other(ball: bpy.types.Object, use: str) -> None:
+    node = go_live(ball)
+    tree = node.id_data
+    feeder = tree.nodes["Live Sliders"]
+    tilt = feeder.outputs["Tilt"]
+    if use == "math":
+        tree.links.new(tilt, tree.nodes.new("ShaderNodeMath").inputs[0])
+    elif use == "reroute":
+        reroute = tree.nodes.new("NodeReroute")
+        tree.links.new(tilt, reroute.inputs[0])
+        tree.links.new(reroute.outputs[0], node.inputs["Tilt"])
+    elif use == "output":
+        out = tree.nodes.new("ShaderNodeOutputMaterial")
+        tree.links.new(tilt, out.inputs["Surface"])
+    elif use == "two paints":
+        other = material.add_node(tree, Paint())
+        for socket in feeder.outputs:
+            tree.links.new(socket, other.inputs[socket.name])
+    elif use == "other input":
+        tree.links.new(tilt, node.inputs["Coat Roughness"])
+    else:
+        feeder.mute = True
+    live.set_value(node.inputs["IOR"], 1.7)
+    count = len(carrier.only().keys())
+    for _ in range(2):
+        needs.fit(bpy.context.scene)
+        assert needs.is_fitted(bpy.context.scene)
+    live.settle_all()
+    assert len(carrier.only().keys()) == count
+    assert live.is_linked(node.inputs["Tilt"]) == (use in ("reroute", "muted"))
+    assert material.paint_of(node).binder_ior == 1.7
+    if use == "other input":
+        assert material.paint_of(node).coat_roughness == pytest.approx(0.12)
+    live.end(node)
+    assert material.paint_of(node).binder_ior == 1.7
 
 
 def test_what_belongs_to_no_paint_goes_with_the_next_save(ball: bpy.types.Object) -> None:
@@ -390,6 +497,7 @@ def test_verify_checks_the_live_values(ball: bpy.types.Object, tmp_path: Path) -
     assert found["unexplained"] == 0
     assert found["pixels"] > 0
     assert not [note for note in found["notes"] if "own values" in note]
+    assert node.inputs["Flakes per mm²"].default_value == 400  # what it was checked with
 
 
 def test_a_paint_within_a_group_can_be_live(ball: bpy.types.Object) -> None:

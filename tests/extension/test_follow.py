@@ -602,7 +602,7 @@ def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
 
 
 def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.Object) -> None:
-    """Of a paint and of its copy, which gets values of its own by a fit, not by a step of undo."""
+    """Of a paint and of its copy, also where no fit comes between steps, as while it renders."""
     live, material = addon("paint.live"), addon("paint.material")
 
     def step(message: str) -> None:
@@ -612,10 +612,11 @@ def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.O
     def node() -> bpy.types.ShaderNodeGroup:
         return material.paint_node(bpy.context.object.active_material)
 
-    def seen() -> tuple[str, bool, float]:
+    def seen() -> tuple[str, bool, bool, float]:
         assert addon("scene.needs").is_fitted(bpy.context.scene)
         tilt = live.value(node().inputs["Tilt"])
-        return bpy.context.object.active_material.name, live.is_live(node()), round(tilt, 6)
+        name = bpy.context.object.active_material.name
+        return name, live.is_live(node()), live.is_shared(node()), round(tilt, 6)
 
     for name in ("Nothing yet", "Still nothing"):
         step(name)
@@ -626,8 +627,15 @@ def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.O
     live.set_value(node().inputs["Tilt"], 0.3)
     step("Value")
     states.append(seen())
+    call("render_init")
     bpy.context.object.active_material = bpy.context.object.active_material.copy()
     step("Copy")
+    bpy.context.object.location.x = 1
+    step("Move")
+    call("render_complete")
+    states += [seen()] * 2
+    bpy.ops.material.metallic_paint_live_single()
+    step("Single")
     states.append(seen())
     live.set_value(node().inputs["Tilt"], 0.4)
     step("Value of the copy")
@@ -636,7 +644,8 @@ def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.O
     step("Off")
     states.append(seen())
     assert [each[1:] for each in states] == [
-        (False, 0.15), (True, 0.15), (True, 0.3), (True, 0.3), (True, 0.4), (False, 0.4)
+        (False, False, 0.15), (True, False, 0.15), (True, False, 0.3), (True, True, 0.3),
+        (True, True, 0.3), (True, False, 0.3), (True, False, 0.4), (False, False, 0.4),
     ]  # fmt: skip
     for _ in range(2):
         for expected in states[-2::-1]:

@@ -78,10 +78,7 @@ class Layout:
     def template_icon_view(
         self, data: object, name: str, show_labels: bool, scale: float, scale_popup: float
     ) -> None:
-        if name.startswith("["):  # a property of the datablock's own
-            data.path_resolve(name)
-        else:
-            assert name in data.bl_rna.properties, name
+        assert name in data.bl_rna.properties, name
         assert isinstance(show_labels, bool)
         assert min(scale, scale_popup) > 0
         self.icon_views.append(name)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paint's values as an artist thinks of them: words for choices, the tint as a colour.
 
-These properties are stored nowhere: they read and set the node's sockets, which stay the truth.
+These properties are stored nowhere: they read and set the node's sockets, or their live values.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _title(word: str) -> str:
 
 
 def _thickness_mm(node: bpy.types.ShaderNodeGroup) -> float:
-    """0 where it is not a number of the node's own."""
+    """0 where a link decides it."""
     socket = _socket(node, _THICKNESS)
     return 0.0 if socket is None or live.is_linked(socket) else live.value(socket) / 1000
 
@@ -87,7 +87,7 @@ def _set_tint(node: bpy.types.ShaderNodeGroup, color: Sequence[float]) -> None:
 
 
 def coverage(node: bpy.types.ShaderNodeGroup) -> float | None:
-    """Area of all flakes by that of the surface; None where a link or an attribute decides it.
+    """Area of all flakes by that of the surface; None where a link decides it.
 
     Flakes per mm² times the area of the disc that has their mean area.
     """
@@ -129,7 +129,7 @@ def draw_socket(
     if socket is None or not hasattr(socket, "default_value") or socket.hide_value:
         return
     row = layout.row()
-    row.enabled = node.id_data.is_editable and not live.is_linked(socket)
+    row.enabled = node.id_data.is_editable and live.can_be_set(socket)
     where: Any = socket
     which = "default_value"
     if (place := live.place_of(socket)) is not None:
@@ -167,7 +167,7 @@ def draw_first(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> s
     absorption = _socket(node, _ABSORPTION)
     if absorption is not None and _thickness_mm(node) > 0:
         row = layout.row()
-        row.enabled = node.id_data.is_editable and not live.is_linked(absorption)
+        row.enabled = node.id_data.is_editable and live.can_be_set(absorption)
         row.prop(node, TINT, text="Lacquer")
     draw_socket(layout, node, PARAMETERS["coat_roughness"].label, "Roughness")
     covered = coverage(node)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The button Live Sliders."""
+"""Live sliders of a paint: the button, and what a copy of such a paint is offered."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class MATERIAL_OT_metallic_paint_live(bpy.types.Operator):
     """Let the Rendered view follow this paint's numbers and colours at once. Blender prepares the \
 paint once more, and then no more for a step of a slider, nor for keys on it. What is 0 now stays \
-as it is: add the part, and press twice"""
+as it is: add the part, and switch this off and on again"""
 
     bl_idname = "material.metallic_paint_live"
     bl_label = "Live Sliders"
@@ -26,21 +26,20 @@ as it is: add the part, and press twice"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        node = operators.paint_node(context)
-        if node is None:
-            cls.poll_message_set("The material has no metallic paint")
-            return False
-        return operators.can_change(cls, node.id_data, "material")
+        return _has_paint(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         node = operators.paint_node(context)
         if live.is_live(node):
-            if animated := live.animated(node):
+            if (animated := live.animated(node)) and not live.is_shared(node):
                 lost = f"keys or drivers, which would be lost: {', '.join(animated)}"
                 self.report({"ERROR"}, f"Live values have {lost}")
                 return {"CANCELLED"}
             live.end(node)
             return {"FINISHED"}
+        if file := material.linked_from(node):
+            self.report({"ERROR"}, f"The paint's shader is linked from {file}: append it")
+            return {"CANCELLED"}
         try:
             count = live.begin(node, material.paint_of(node))
         except PaintError as error:
@@ -53,11 +52,45 @@ as it is: add the part, and press twice"""
         return {"FINISHED"}
 
 
+class MATERIAL_OT_metallic_paint_live_single(bpy.types.Operator):
+    """Give this paint live values of its own, which are the same at first. Keys and drivers stay \
+with those of the other paint"""
+
+    bl_idname = "material.metallic_paint_live_single"
+    bl_label = "Make Single"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not _has_paint(cls, context):
+            return False
+        if not live.is_shared(operators.paint_node(context)):
+            cls.poll_message_set("No other paint has these live values")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
+        live.make_single(operators.paint_node(context))
+        return {"FINISHED"}
+
+
+def _has_paint(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """For a poll: that can be changed."""
+    node = operators.paint_node(context)
+    if node is None:
+        operator.poll_message_set("The material has no metallic paint")
+        return False
+    return operators.can_change(operator, node.id_data, "material")
+
+
 def draw(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> None:
-    """As a button that stays pressed."""
-    layout.operator(
-        MATERIAL_OT_metallic_paint_live.bl_idname, icon="PLAY", depress=live.is_live(node)
-    )
+    """A button that stays pressed, and beside it what a copy needs."""
+    row = layout.row(align=True)
+    row.operator(MATERIAL_OT_metallic_paint_live.bl_idname, icon="PLAY", depress=live.is_live(node))
+    if live.is_shared(node):
+        row.operator(MATERIAL_OT_metallic_paint_live_single.bl_idname, icon="UNLINKED")
 
 
-register, unregister = bpy.utils.register_classes_factory((MATERIAL_OT_metallic_paint_live,))
+register, unregister = bpy.utils.register_classes_factory(
+    (MATERIAL_OT_metallic_paint_live, MATERIAL_OT_metallic_paint_live_single)
+)

@@ -20,7 +20,7 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import ADD_ON
-from ..paint import PARAMETERS, Paint, PaintError, animation, material, presets
+from ..paint import PARAMETERS, Paint, PaintError, animation, live, material, presets
 from . import operators
 
 if TYPE_CHECKING:
@@ -158,8 +158,11 @@ def _apply(
         return {"CANCELLED"}
     given = {socket.name for curve, socket, _ in animation.of_inputs(tree, node) if not curve.mute}
     given |= {
-        link.to_socket.name for link in tree.links if link.to_node == node and not link.is_muted
+        link.to_socket.name
+        for link in tree.links
+        if link.to_node == node and not link.is_muted and live.is_linked(link.to_socket)
     }
+    given |= {*live.animated(node)}
     kept = [each.label for each in PARAMETERS.values() if each.label in given]
     if kept:
         operator.report({"WARNING"}, f"Linked or animated, not the preset's: {', '.join(kept)}.")

@@ -176,7 +176,8 @@ def _look_of(owner: bpy.types.Material) -> tuple[float, ...]:
 
 
 def paint_of(target: bpy.types.Material | bpy.types.ShaderNodeGroup) -> Paint:
-    """The paint that the sockets hold, or their live values; no links and drivers on them.
+    """The paint that the sockets hold, by their live values where they have such; links and drivers
+    on them are not part of it.
 
     Raises PaintError with field, value and range where a socket holds what no paint can have, and
     where the node is of another version.

@@ -156,7 +156,7 @@ def only() -> bpy.types.NodeTree:
 def _new() -> bpy.types.NodeTree:
     tree = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     tree[_MARK] = 1
-    tree.description = "Where the lights of all metallic paints of this file are"
+    tree.description = "Where the metallic paints of this file have their lights and live values"
     return tree
 
 

@@ -137,8 +137,10 @@ def _before_saving(*_: object) -> None:
     """The timer may not have come yet, nor Blender's own update."""
     _state.rendering = False
     bpy.context.view_layer.update()
-    _fit_if_changed()
-    live.settle_all()
+    try:
+        _fit_if_changed()
+    finally:
+        live.settle_all()
 
 
 @persistent

@@ -25,7 +25,7 @@ from typing import Literal
 import bpy
 from mathutils import Matrix, Vector
 
-from . import carrier, placed, sky
+from . import carrier, placed, sky, wiring
 from .placed import Placed
 
 NAME = "Metallic Paint Lights"
@@ -47,8 +47,6 @@ _MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is mer
 _NOT_FOLLOWED = " (an instance: a render without the add-on has its sparkles where it is now)"
 
 
-_Constant = float | tuple[float, ...]
-_Type = Literal["FLOAT", "VECTOR"]
 _Constants = tuple[tuple[float, float, float, float], tuple[float, float, float]]
 _OF_SCENE = METERS_PER_UNIT, OTHER_LIGHT
 
@@ -303,20 +301,31 @@ def _build(
         _hand_out(group, name, of_scene[name], scene)
     for slot in range(1, SLOTS + 1):
         row = []
-        here: list[bpy.types.NodeSocket | _Constant] = [0.0, (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0)]
+        here: list[bpy.types.NodeSocket | wiring.Constant] = [
+            0.0,
+            (0.0, 0.0, 0.0),
+            0.0,
+            (0.0, 0.0, 0.0),
+        ]
         if slot <= len(kinds):
             here[0] = float(kinds[slot - 1])
             (*own_place, own_size), own_facing = numbers[slot - 1]
-            carried = _attribute(group, "INSTANCER", carrier.path(slot, kinds[slot - 1]))
+            carried = wiring.attribute(group, "INSTANCER", carrier.path(slot, kinds[slot - 1]))
             is_there = _compute(group, "GREATER_THAN", carried.outputs["Alpha"], 0)
-            place = _mix(group, "VECTOR", is_there, tuple(own_place), carried.outputs["Vector"])
-            extent = _mix(group, "FLOAT", is_there, own_size, carried.outputs["Alpha"])
-            here[1:3] = _result(place), _result(extent)
+            place = wiring.mix(
+                group, "VECTOR", is_there.outputs[0], tuple(own_place), carried.outputs["Vector"]
+            )
+            extent = wiring.mix(
+                group, "FLOAT", is_there.outputs[0], own_size, carried.outputs["Alpha"]
+            )
+            here[1:3] = wiring.result(place), wiring.result(extent)
             row = [carried, is_there, place, extent]
             if kinds[slot - 1] == carrier.AREA:
-                side = _attribute(group, "INSTANCER", carrier.facing_path(slot))
-                normal = _mix(group, "VECTOR", is_there, own_facing, side.outputs["Vector"])
-                here[3] = _result(normal)
+                side = wiring.attribute(group, "INSTANCER", carrier.facing_path(slot))
+                normal = wiring.mix(
+                    group, "VECTOR", is_there.outputs[0], own_facing, side.outputs["Vector"]
+                )
+                here[3] = wiring.result(normal)
                 row += [side, normal]
         if scene:
             row += scene.slots[slot - 1]
@@ -335,7 +344,7 @@ class _Scene:
 
 
 def _look_at_scene(group: bpy.types.ShaderNodeTree) -> _Scene:
-    told = _attribute(group, "VIEW_LAYER", carrier.FILE_PATH)
+    told = wiring.attribute(group, "VIEW_LAYER", carrier.FILE_PATH)
     apart = group.nodes.new("ShaderNodeSeparateXYZ")
     group.links.new(told.outputs["Vector"], apart.inputs[0])
     number, *values = apart.outputs
@@ -346,8 +355,8 @@ def _look_at_scene(group: bpy.types.ShaderNodeTree) -> _Scene:
     found = dict(zip(_OF_SCENE, values, strict=True))
     slots = []
     for slot in range(1, SLOTS + 1):
-        where = _attribute(group, "VIEW_LAYER", carrier.scene_path(slot))
-        what = _attribute(group, "VIEW_LAYER", carrier.facing_path(slot))
+        where = wiring.attribute(group, "VIEW_LAYER", carrier.scene_path(slot))
+        what = wiring.attribute(group, "VIEW_LAYER", carrier.facing_path(slot))
         sources = (what, "Alpha"), (where, "Vector"), (where, "Alpha"), (what, "Vector")
         for name, (node, output) in zip(slot_names(slot), sources, strict=True):
             found[name] = node.outputs[output]
@@ -358,17 +367,17 @@ def _look_at_scene(group: bpy.types.ShaderNodeTree) -> _Scene:
 def _hand_out(
     group: bpy.types.ShaderNodeTree,
     name: str,
-    own: bpy.types.NodeSocket | _Constant,
+    own: bpy.types.NodeSocket | wiring.Constant,
     scene: _Scene | None,
 ) -> list[bpy.types.Node]:
     """What an output gives: the file's own, or the scene's where that is another file's."""
     into = _output(group).inputs[name]
     if scene is None:
-        _feed(group, into, own)
+        wiring.feed(group, into, own)
         return []
     value = scene.values[name]
-    data_type: _Type = "VECTOR" if value.type == "VECTOR" else "FLOAT"
-    chosen = _mix(group, data_type, scene.is_elsewhere, own, value, into)
+    data_type: wiring.Type = "VECTOR" if value.type == "VECTOR" else "FLOAT"
+    chosen = wiring.mix(group, data_type, scene.is_elsewhere.outputs[0], own, value, into)
     chosen.name = name
     return [chosen]
 
@@ -376,16 +385,6 @@ def _hand_out(
 def _arrange(row: Sequence[bpy.types.Node], line: int) -> None:
     for column, node in enumerate(row):
         node.location = 200 * (column - len(row)), -250 * line
-
-
-def _attribute(
-    group: bpy.types.ShaderNodeTree, of: Literal["INSTANCER", "VIEW_LAYER"], path: str
-) -> bpy.types.Node:
-    """INSTANCER: of what is instanced, or else the object itself; VIEW_LAYER: of the scene."""
-    node = group.nodes.new("ShaderNodeAttribute")
-    node.attribute_type = of
-    node.attribute_name = path
-    return node
 
 
 def _compute(
@@ -396,49 +395,12 @@ def _compute(
     node = group.nodes.new("ShaderNodeMath")
     node.operation = operation
     for socket, value in zip(node.inputs, values, strict=False):
-        _feed(group, socket, value)
+        wiring.feed(group, socket, value)
     return node
-
-
-def _feed(
-    group: bpy.types.ShaderNodeTree,
-    socket: bpy.types.NodeSocket,
-    value: bpy.types.NodeSocket | _Constant,
-) -> None:
-    if isinstance(value, bpy.types.NodeSocket):
-        group.links.new(value, socket)
-    else:
-        socket.default_value = value
 
 
 def _constants(light: Placed) -> _Constants:
     return carrier.numbers_of(light), carrier.facing_of(light)
-
-
-def _mix(
-    group: bpy.types.ShaderNodeTree,
-    data_type: _Type,
-    factor: bpy.types.Node,
-    otherwise: bpy.types.NodeSocket | _Constant,
-    value: bpy.types.NodeSocket,
-    into: bpy.types.NodeSocket | None = None,
-) -> bpy.types.ShaderNodeMix:
-    """A node that hands on the value where the factor is 1, and the other where it is 0."""
-    node: bpy.types.ShaderNodeMix = group.nodes.new("ShaderNodeMix")
-    node.data_type, node.clamp_factor = data_type, False
-    inputs = {socket.identifier: socket for socket in node.inputs}
-    kind = data_type.title()
-    _feed(group, inputs[f"A_{kind}"], otherwise)
-    group.links.new(factor.outputs[0], inputs["Factor_Float"])
-    group.links.new(value, inputs[f"B_{kind}"])
-    if into is not None:
-        group.links.new(_result(node), into)
-    return node
-
-
-def _result(mix: bpy.types.ShaderNodeMix) -> bpy.types.NodeSocket:
-    identifier = f"Result_{mix.data_type.title()}"
-    return next(each for each in mix.outputs if each.identifier == identifier)
 
 
 def _output(group: bpy.types.ShaderNodeTree) -> bpy.types.Node:

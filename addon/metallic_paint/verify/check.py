@@ -239,9 +239,9 @@ def _freeze(painted: bpy.types.Material, layer: bpy.types.ViewLayer) -> list[str
 
     One that stands within a node group is brought out of it.
     """
-    layer.update()
     path = next(material.paint_paths(painted.node_tree))
     live.end(path[-1])
+    layer.update()
     tree, notes = painted.node_tree, []
     given = [_given(path, socket, painted, layer) for socket in path[-1].inputs]
     node, kept = path[-1], set(material.GEOMETRY.values())
