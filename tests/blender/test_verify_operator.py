@@ -369,7 +369,14 @@ def test_what_shows_as_instances_alone_is_said() -> None:
         run(scene, thing, SIZE)
 
 
-@pytest.mark.parametrize("what", ["material", "object", "override"])
+@pytest.mark.parametrize(  # each is two minutes: Blender compiles a linked paint for each picture
+    "what",
+    [
+        pytest.param("material", marks=pytest.mark.long),
+        pytest.param("object", marks=pytest.mark.long),
+        "override",
+    ],
+)
 def test_a_linked_paint_is_checked_under_the_lights_of_this_file(tmp_path: Path, what: str) -> None:
     scene = build()
     thing = scene.objects["Monkey"]
