@@ -130,7 +130,7 @@ def test_what_is_there_is_live(ball: bpy.types.Object) -> None:
     go_live(ball)
     assert live_labels(node) == {
         "Flakes per mm²", "Flake Diameter (µm)", "Flake Area Spread", "Tilt", "Flake Edge Color",
-        "IOR", "Layer Thickness (µm)", "Absorption (1/mm)", "Cells per Pixel", "Sparkle Contrast",
+        "Layer Thickness (µm)", "Absorption (1/mm)", "Cells per Pixel", "Sparkle Contrast",
         "Substrate Color",
     }  # fmt: skip
     rich = material.create(RICH)
@@ -391,7 +391,7 @@ def test_the_node_may_be_used_as_any_other(ball: bpy.types.Object, use: str) -> 
         tree.links.new(tilt, node.inputs["Coat Roughness"])
     else:
         feeder.mute = True
-    live.set_value(node.inputs["IOR"], 1.7)
+    live.set_value(node.inputs["Layer Thickness (µm)"], 17.0)
     count = len(carrier.only().keys())
     for _ in range(2):
         needs.fit(bpy.context.scene)
@@ -399,11 +399,11 @@ def test_the_node_may_be_used_as_any_other(ball: bpy.types.Object, use: str) -> 
     live.settle_all()
     assert len(carrier.only().keys()) == count
     assert live.is_linked(node.inputs["Tilt"]) == (use in ("reroute", "muted"))
-    assert material.paint_of(node).binder_ior == 1.7
+    assert material.paint_of(node).layer_thickness_um == 17.0
     if use == "other input":
         assert material.paint_of(node).coat_roughness == pytest.approx(0.12)
     live.end(node)
-    assert material.paint_of(node).binder_ior == 1.7
+    assert material.paint_of(node).layer_thickness_um == 17.0
 
 
 def test_what_belongs_to_no_paint_goes_with_the_next_save(ball: bpy.types.Object) -> None:
@@ -418,8 +418,9 @@ def test_lamps_that_come_and_go_leave_live_values_alone(ball: bpy.types.Object) 
     node = go_live(ball)
     home, name = live.place_of(node.inputs["Tilt"])
     home.keyframe_insert(f'["{name}"]', frame=1)
-    driver = home.driver_add(f'["{live.place_of(node.inputs["IOR"])[1]}"]').driver
-    driver.expression = "1.5+0.01*frame"
+    thickness = node.inputs["Layer Thickness (µm)"]
+    driver = home.driver_add(f'["{live.place_of(thickness)[1]}"]').driver
+    driver.expression = "20+frame"
     lamp = add_lamp("POINT", "Lamp", location=(1, 1, 1))
     needs.fit(bpy.context.scene)
     bpy.data.objects.remove(lamp)
@@ -429,8 +430,8 @@ def test_lamps_that_come_and_go_leave_live_values_alone(ball: bpy.types.Object) 
     needs.fit(bpy.context.scene)
     assert needs.is_fitted(bpy.context.scene)
     bpy.context.scene.frame_set(7)
-    assert set(live.animated(node)) == {"Tilt", "IOR"}
-    assert live.value(node.inputs["IOR"]) == pytest.approx(1.57)
+    assert set(live.animated(node)) == {"Tilt", "Layer Thickness (µm)"}
+    assert live.value(thickness) == 27
 
 
 def test_a_preset_is_applied_to_live_values(ball: bpy.types.Object) -> None:
@@ -515,7 +516,7 @@ def test_a_paint_within_a_group_can_be_live(ball: bpy.types.Object) -> None:
 
 @pytest.mark.parametrize(
     ("label", "value"),
-    [("Flakes per mm²", 0.0), ("Tilt", 1e-6), ("Layer Thickness (µm)", 0.0), ("IOR", 0.1),
+    [("Flakes per mm²", 0.0), ("Tilt", 1e-6), ("Layer Thickness (µm)", 0.0),
      ("Flake Diameter (µm)", 1e5), ("Absorption (1/mm)", (1e6, 1e6, 1e6)),
      ("Sparkle Contrast", 0.0), ("Flakes per mm²", 1e9)],
 )  # fmt: skip

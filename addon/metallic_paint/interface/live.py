@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class MATERIAL_OT_metallic_paint_live(bpy.types.Operator):
     """Let the Rendered view follow this paint's numbers and colours at once. Blender prepares the \
 paint once more, and then no more for a step of a slider, nor for keys on it, but a sample takes \
-a quarter longer. What is 0 now stays as it is: add the part, and switch this off and on again"""
+a fifth longer. What is 0 now stays as it is: add the part, and switch this off and on again"""
 
     bl_idname = "material.metallic_paint_live"
     bl_label = "Live Sliders"

@@ -117,11 +117,13 @@ def animated(node: bpy.types.ShaderNodeGroup) -> list[str]:
 
 
 def _is_in_use(paint: Paint, name: str) -> bool:
-    """Whether a change of the number shows. What is 0 is absent, and so is other code."""
+    """Whether a change of the number shows. What is 0 is absent, and so is other code. The index of
+    refraction stays a constant: that it folds is worth a tenth of a sample's time.
+    """
     species, _, field = name.rpartition(".")
     flakes = getattr(paint, species) if species else paint
     number = value_of(paint, name)
-    if isinstance(number, (str, int)) or not np.any(number):
+    if isinstance(number, (str, int)) or not np.any(number) or field == "binder_ior":
         return False
     if field in FLAKE_PARAMETERS and flakes.flakes_per_mm2 == 0:
         return False
