@@ -54,7 +54,8 @@ TABLE = ROOT / "core" / "coating_library.inc"  # which the shader includes from 
 TESTED = BUILD / "extension"  # where tests/extension finds the zip
 RENDERED = BUILD / "asset-library"
 RENDERED_FROM = (
-    *(ADDON / name for name in ("paint", "scene/carrier.py", "scene/lights.py", "scene/sky.py")),
+    ADDON / "paint",
+    *(ADDON / "scene" / f"{name}.py" for name in ("carrier", "lights", "sky", "wiring")),
     ROOT / "osl",
     TABLE,
     TOOLS / "extension" / "asset_library.py",
