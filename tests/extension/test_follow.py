@@ -8,6 +8,7 @@ calls.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -556,13 +557,25 @@ def test_another_scene_is_rendered_with_its_own_lights(
     assert slots(addon) == ["Sun"]
 
 
+def step(message: str) -> None:
+    """Of undo, after Blender's own update."""
+    update()
+    bpy.ops.ed.undo_push(message=message)
+
+
+def undo_and_redo(seen: Callable[[], object], states: Sequence[object]) -> None:
+    """Back to the first of the states, each of one step, and to the last again."""
+    for expected in states[-2::-1]:
+        assert bpy.ops.ed.undo() == {"FINISHED"}
+        assert seen() == expected
+    for expected in states[1:]:
+        assert bpy.ops.ed.redo() == {"FINISHED"}
+        assert seen() == expected
+
+
 def test_undo_and_redo_bring_lights_and_paints_back(
     addon: Addon, painted: bpy.types.Object
 ) -> None:
-    def step(message: str) -> None:
-        update()
-        bpy.ops.ed.undo_push(message=message)
-
     for name in ("Nothing yet", "Still nothing"):  # the first makes undo possible
         step(name)
     add("POINT", "Lamp", 1)
@@ -579,12 +592,7 @@ def test_undo_and_redo_bring_lights_and_paints_back(
         assert len(values) == len(slots(addon))
         return [round(vector.x) for _, vector, _, _ in values]
 
-    for expected in places[-2::-1]:
-        assert bpy.ops.ed.undo() == {"FINISHED"}
-        assert seen() == expected
-    for expected in places[1:]:
-        assert bpy.ops.ed.redo() == {"FINISHED"}
-        assert seen() == expected
+    undo_and_redo(seen, places)
 
 
 def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
@@ -604,10 +612,6 @@ def test_undo_takes_a_paint_away_and_redo_brings_it_back(addon: Addon) -> None:
 def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.Object) -> None:
     """Of a paint and of its copy, also where no fit comes between steps, as while it renders."""
     live, material = addon("paint.live"), addon("paint.material")
-
-    def step(message: str) -> None:
-        update()
-        bpy.ops.ed.undo_push(message=message)
 
     def node() -> bpy.types.ShaderNodeGroup:
         return material.paint_node(bpy.context.object.active_material)
@@ -648,12 +652,7 @@ def test_undo_and_redo_bring_live_values_back(addon: Addon, painted: bpy.types.O
         (True, True, 0.3), (True, False, 0.3), (True, False, 0.4), (False, False, 0.4),
     ]  # fmt: skip
     for _ in range(2):
-        for expected in states[-2::-1]:
-            assert bpy.ops.ed.undo() == {"FINISHED"}
-            assert seen() == expected
-        for expected in states[1:]:
-            assert bpy.ops.ed.redo() == {"FINISHED"}
-            assert seen() == expected
+        undo_and_redo(seen, states)
 
 
 @pytest.mark.parametrize("step", ["undo", "redo"])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 
-class MATERIAL_OT_metallic_paint_live(bpy.types.Operator):
+class MATERIAL_OT_metallic_paint_live(operators.ChangesPaint):
     """Let the Rendered view follow this paint's numbers and colours at once. Blender prepares the \
 paint once more, and then no more for a step of a slider, nor for keys on it, but a sample takes \
 a fifth longer. What is 0 now stays as it is: add the part, and switch this off and on again"""
@@ -23,10 +23,6 @@ a fifth longer. What is 0 now stays as it is: add the part, and switch this off 
     bl_idname = "material.metallic_paint_live"
     bl_label = "Live Sliders"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _has_paint(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         node = operators.paint_node(context)
@@ -52,7 +48,7 @@ a fifth longer. What is 0 now stays as it is: add the part, and switch this off 
         return {"FINISHED"}
 
 
-class MATERIAL_OT_metallic_paint_live_single(bpy.types.Operator):
+class MATERIAL_OT_metallic_paint_live_single(operators.ChangesPaint):
     """Give this paint live values of its own, which are the same at first. Keys and drivers stay \
 with those of the other paint"""
 
@@ -62,7 +58,7 @@ with those of the other paint"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not _has_paint(cls, context):
+        if not super().poll(context):
             return False
         if not live.is_shared(operators.paint_node(context)):
             cls.poll_message_set("No other paint has these live values")
@@ -72,15 +68,6 @@ with those of the other paint"""
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
         live.make_single(operators.paint_node(context))
         return {"FINISHED"}
-
-
-def _has_paint(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """For a poll: that can be changed."""
-    node = operators.paint_node(context)
-    if node is None:
-        operator.poll_message_set("The material has no metallic paint")
-        return False
-    return operators.can_change(operator, node.id_data, "material")
 
 
 def draw(layout: bpy.types.UILayout, node: bpy.types.ShaderNodeGroup) -> None:

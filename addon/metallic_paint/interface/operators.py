@@ -51,6 +51,24 @@ def can_change(operator: type[bpy.types.Operator], datablock: bpy.types.ID, what
     return False
 
 
+def on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active material has a paint; if not, the operator tells."""
+    if paint_node(context) is None:
+        cls.poll_message_set("The active material has no metallic paint")
+        return False
+    return True
+
+
+class ChangesPaint(bpy.types.Operator):
+    """For operators that change the paint of the active material."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not on_paint(cls, context):
+            return False
+        return can_change(cls, paint_node(context).id_data, "material")
+
+
 def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:
     for line in text.splitlines():
         operator.report({kind}, line)

@@ -128,24 +128,6 @@ def _popup_scale() -> float:
     return min(max((width - _POPUP_MARGIN) / (_IN_A_ROW * _POPUP_UNIT), 1), _LARGEST)
 
 
-def _on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active material has a paint; if not, the operator tells."""
-    if operators.paint_node(context) is None:
-        cls.poll_message_set("The active material has no metallic paint")
-        return False
-    return True
-
-
-class _ChangesPaint(bpy.types.Operator):
-    """For operators that change the paint of the active material."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not _on_paint(cls, context):
-            return False
-        return operators.can_change(cls, operators.paint_node(context).id_data, "material")
-
-
 def _apply(
     operator: bpy.types.Operator, context: bpy.types.Context, name_or_path: str
 ) -> set[OperatorReturnItems]:
@@ -169,7 +151,7 @@ def _apply(
     return {"FINISHED"}
 
 
-class MATERIAL_OT_metallic_paint_apply_preset(_ChangesPaint):
+class MATERIAL_OT_metallic_paint_apply_preset(operators.ChangesPaint):
     """Give the active material's paint the values of this preset"""
 
     bl_idname = "material.metallic_paint_apply_preset"
@@ -184,7 +166,7 @@ class MATERIAL_OT_metallic_paint_apply_preset(_ChangesPaint):
 
 # The stubs have check and invoke of these helpers return nothing.
 class MATERIAL_OT_metallic_paint_load_preset(  # type: ignore[misc]
-    _ChangesPaint, ImportHelper
+    operators.ChangesPaint, ImportHelper
 ):
     """Give the active material's paint the values of a preset's file"""
 
@@ -221,7 +203,7 @@ finds it, or elsewhere, to share it"""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _on_paint(cls, context)
+        return operators.on_paint(cls, context)
 
     def invoke(  # type: ignore[override]
         self, context: bpy.types.Context, event: bpy.types.Event
