@@ -10,7 +10,7 @@
 #define GAUSSIAN_REACH 5.5
 #define HALF_PI 1.57079633
 #define POINT_CAP 0.0625
-#define NARROW_BACK 0.26
+#define NARROW_BACK 0.4
 
 struct OrientationDensity {
   int kind;
@@ -255,16 +255,19 @@ float most_tilt_weight(OrientationDensity density)
   return square * density.below / density.norm;
 }
 
-float narrow_back_area(float tilt, float b0)
+float narrow_back_area(OrientationDensity density, float b0)
 {
-  float s = tilt;
-  float c0 = 0.999967575 + s * (0.000727135397 + s * (-0.672569752 + s * (0.0248423927 + s * 0.325504154)));
-  float c1 = 0.000120564626 + s * (0.400339454 + s * (0.119968347 + s * -0.57245177));
-  float c2 = 0.0684837475 + s * (-0.305631101 + s * 0.614556372);
-  float c3 = 0.167160392 + s * -0.260977238;
-  float curved = c0 + b0 * (c1 + b0 * (c2 + b0 * (c3 + b0 * 0.0344861448)));
-  float y = b0 / tilt;
-  return tilt * normal_density(y) * (1.0 - y * mills_ratio(y)) * curved;
+  float s = density.tilt;
+  float c0 = 0.999948561 + s * (0.00132694806 + s * (-0.680161595 + s * (0.061232321 + s * 0.267149389)));
+  float c1 = 0.00140373979 + s * (0.410378277 + s * (-0.00062495051 + s * (-0.265823483 + s * -0.132559106)));
+  float c2 = -0.00404177979 + s * (0.326647073 + s * (-2.23132157 + s * (7.13950872 + s * -7.62903643)));
+  float c3 = 0.480474234 + s * (-1.7636373 + s * (2.3438592 + s * -1.36711812));
+  float c4 = -0.544060051 + s * (2.23223352 + s * -1.72242761);
+  float c5 = 0.24584423 + s * -0.777165353;
+  float curved = c0 + b0 * (c1 + b0 * (c2 + b0 * (c3 + b0 * (c4 + b0 * (c5 + b0 * 0.0480376258)))));
+  float beyond = -0.109831154 + b0 * (-0.0525594763 + b0 * 0.0711019114);
+  float y = b0 / s;
+  return s * normal_density(y) * (1.0 - y * mills_ratio(y)) * curved + (1.0 - density.below) * beyond;
 }
 
 float gaussian_back_area(OrientationDensity density, float cos_theta)
@@ -274,7 +277,7 @@ float gaussian_back_area(OrientationDensity density, float cos_theta)
   float b0 = HALF_PI - arccosine(cos_theta);
   float area = 0.0;
   if (density.narrow)
-    area = narrow_back_area(density.tilt, b0);
+    area = narrow_back_area(density, b0);
   else {  // OSL drops no text behind a return
     float limit = min(HALF_PI, b0 + GAUSSIAN_REACH * density.tilt);
     float node[12];

@@ -38,8 +38,8 @@ NOTES = {
     NUMBER_TYPE: "The shader computes in float and has no other; this is for callers of the C++.",
     ORIENTATION: "Tables are the paper's way, with P at the centre of the cone of normals; "
     "for callers of the C++, the shader carries none.",
-    "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form, or 12 points in "
-    "float; only flakes seen from their backs (scene “wide”) need the points.",
+    "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form. Only Gaussian "
+    "flakes tilted by more than 0.4 and seen from their backs take 12 points in float.",
     "count": "All of them take one hash; the closed forms bound the work.",
     "radiometry": "“Published” is the paper to the letter: not another price but another mean.",
     "depth": "Which of them is right is not a matter of this table: see the traced flakes.",

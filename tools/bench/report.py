@@ -92,10 +92,6 @@ TRIED = (
      "0.3 s, which each node would take anew"),
     ("loops whose count LLVM cannot know, so that it copies none out",
      "0.82 s to the first sample with and without"),
-    ("a polynomial for the backs of Gaussian flakes of wide tilts too, instead of the quadrature "
-     "that is a second species' dearest part",
-     "36 terms err by 5e-7 up to a tilt of 0.35, by 1e-5 up to 0.5; the quadrature of 12 points "
-     "errs by 3e-7, of 10 by 1e-5"),
     ("the core with `-O3`, or tuned for this processor (`-mtune`)",
      "`-O3` 0 to 2 % faster where sparkles are few and 6 % where they are many, less than one flat "
      "function of the draw brings; `-mtune` 1 to 4 % slower"),
