@@ -279,9 +279,9 @@ T most_tilt_weight(const OrientationDensity<T>& density) {
 // their backs. Near the horizon at the elevation b0 = 90 degrees - theta only the tilt x towards
 // the direction counts, a normal deviate, and the backs show sin(x - b0): with y = b0/tilt that is
 // tilt (phi(y) - y Q(y)), phi and Q the normal density and its upper tail. A fit in b0 and tilt
-// makes up for the curvature, and another for the flakes that the normal deviate puts beyond 90
-// degrees, where there are none: their share is 1 - below (tests/fits/back_area.py). Absolute error
-// 4e-7 (BackAreaHoldsItsStatedError, with rounding).
+// makes up for the curvature, and another one, times 1 - below, for the flakes that a normal
+// deviate has beyond 90 degrees, where there are none (tests/fits/back_area.py). Absolute error
+// 5e-7 (BackAreaHoldsItsStatedError, with rounding).
 inline constexpr float kNarrowBack = 0.4f;
 template <Single T>
 T narrow_back_area(const OrientationDensity<T>& density, T b0) {

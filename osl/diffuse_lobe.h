@@ -28,6 +28,7 @@ color let_in(float cosine, float eta, color slanted)
 #define FOOT_SIZE 0.908742103
 #define FOOT_SMOOTH 0.045746299
 #define FOOT_WEIGHT (13.0 / 7.0)
+#define FOOT_ALBEDO 1.785622032
 
 // Written out: OSL folds no loop.
 void make_ramp(Layer layer, output color ramp[RAMP_COLORS], output color foot)
@@ -43,7 +44,7 @@ void make_ramp(Layer layer, output color ramp[RAMP_COLORS], output color foot)
   color fifth = max(let_in(5.0 / 7.0, eta, slanted) - bent, color(0.0));
   color sixth = max(let_in(6.0 / 7.0, eta, slanted) - bent, color(0.0));
   color last = max(let_in(1.0, eta, slanted) - bent, color(0.0));
-  color mean = (first + second + third + fourth + fifth + sixth) * (2.0 / 7.0) + last * (1.0 / 7.0) + bent * 1.785622032;
+  color mean = (first + second + third + fourth + fifth + sixth) * (2.0 / 7.0) + last * (1.0 / 7.0) + bent * FOOT_ALBEDO;
   ramp[0] = color(0.0);
   ramp[1] = first / mean;
   ramp[2] = second / mean;

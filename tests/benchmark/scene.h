@@ -33,7 +33,7 @@ inline std::vector<Scene> scenes() {
   Paint narrow = plain;
   narrow.tilt = 0.05;
   Paint wide = plain;
-  wide.tilt = 0.4;
+  wide.tilt = 0.5;  // above kNarrowBack
   Paint flat = plain;
   flat.tilt = 0.06;
   const Light<double> lamp{LightKind::parallel, kSun.vector, std::sin(0.06)};

@@ -29,8 +29,8 @@ std::vector<float> tilts(Orientation kind, int per_decade) {
   for (int i = 0; i <= (6 + most) * per_decade; ++i) {
     made.push_back(static_cast<float>(std::pow(10.0, -6 + static_cast<double>(i) / per_decade)));
   }
-  for (float t : {0.1f, 0.15f, 0.2828427f, 0.282843f, 0.283f, 0.3f, 0.9f, 0.99f, 0.998f, 0.99874f,
-                  0.99875f, 0.999f, 0.9999f, 1.0f}) {
+  for (float t : {0.1f, 0.15f, 0.2828427f, 0.282843f, 0.283f, 0.3f, 0.4f, 0.41f, 0.9f, 0.99f,
+                  0.998f, 0.99874f, 0.99875f, 0.999f, 0.9999f, 1.0f}) {
     made.push_back(t);
   }
   return made;

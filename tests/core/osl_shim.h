@@ -43,6 +43,7 @@ inline Triple operator/(Triple a, Triple b) {
   return each(a, b, [](float x, float y) { return x / y; });
 }
 inline Triple operator-(Triple a) { return Triple(0) - a; }
+inline Triple& operator+=(Triple& a, Triple b) { return a = a + b; }
 inline int operator==(Triple a, Triple b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
 inline float sqrt(float x) { return std::sqrt(x); }
@@ -94,6 +95,12 @@ inline Triple Dy(Triple) { return {}; }
 inline int raytype(const char*) { return 0; }
 inline float glossy_toon(Triple, float, float) { return 1; }
 inline float reflection(Triple) { return 1; }
+inline float diffuse(Triple) { return 1; }
+inline float diffuse_toon(Triple, float, float) { return 1; }
+template <class Ramp>
+float diffuse_ramp(Triple, const Ramp&) {
+  return 1;
+}
 template <class Ramp>
 float phong_ramp(Triple, float, const Ramp&) {
   return 1;
@@ -119,6 +126,7 @@ inline float microfacet(const char*, Triple, Triple, float, float, float, int) {
 #include "osl/flake_lobe.h"
 #include "osl/footprint.h"
 #include "osl/mixture.h"
+#include "osl/mixture_lobes.h"
 #include "osl/orange_peel.h"
 #include "osl/phong_lobe.h"
 #include "osl/sound.h"

@@ -5,7 +5,7 @@
 
 fits them anew to the integral above gaussian_back_area, for tilts from 0.004 to 0.4 rad and
 elevations up to 5.5 tilts: the least largest error, by least squares whose weights grow where the
-error is large. Needs numpy; a minute.
+error is large. Needs numpy; a few seconds.
 """
 
 from __future__ import annotations

@@ -58,6 +58,7 @@ ONLY_CORE = {
 HEADERS_ONLY_SHADER = {
     "sound.h": "core/validation.h rejects what a render must take",
     "diagnostics.h": "the shader's inner values as pictures",
+    "mixture_lobes.h": "closures: scattered_by() of whole_paint.h",
 }
 HEADERS_ONLY_CORE = {
     "batch.h": "many pixels",
