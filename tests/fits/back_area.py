@@ -59,20 +59,19 @@ def terms(b0: np.ndarray, tilt: np.ndarray) -> np.ndarray:
     )
 
 
-def places(tilts: int, elevations: int) -> tuple[np.ndarray, np.ndarray]:
-    found = [
+def cases(tilts: int, elevations: int) -> tuple[np.ndarray, np.ndarray]:
+    """The terms (n, m) at so many places, and the area (n,)."""
+    places = [
         (b0, tilt)
         for tilt in between(0.004, WIDEST, tilts)
         for b0 in between(0, min(5.5 * tilt, pi / 2 - 1e-9), elevations)
     ]
-    b0, tilt = np.array(found).T
-    return b0, tilt
+    return terms(*np.array(places).T), np.array([back_area(*place) for place in places])
 
 
 def fitted() -> np.ndarray:
-    b0, tilt = places(41, 61)
-    exact = np.array([back_area(*each) for each in zip(b0, tilt, strict=True)])
-    of_each, weight = terms(b0, tilt), np.ones(len(exact))
+    of_each, exact = cases(41, 61)
+    weight = np.ones(len(exact))
     constants = np.zeros(of_each.shape[1])
     for _ in range(ROUNDS):
         constants = np.linalg.lstsq(of_each * weight[:, None], exact * weight, rcond=None)[0]
@@ -84,9 +83,8 @@ def fitted() -> np.ndarray:
 
 def main() -> None:
     constants = fitted().astype(np.float32)
-    b0, tilt = places(83, 121)  # between those of the fit too
-    exact = np.array([back_area(*each) for each in zip(b0, tilt, strict=True)])
-    error = np.abs(terms(b0, tilt) @ constants.astype(float) - exact).max()
+    of_each, exact = cases(83, 121)  # between those of the fit too
+    error = np.abs(of_each @ constants.astype(float) - exact).max()
     starts = [k for k, (_, j) in enumerate(CURVED) if j == 0]
     for i, (start, end) in enumerate(pairwise([*starts, len(CURVED)])):
         print(f"c{i}, by powers of the tilt:", *(f"{c:.9g}" for c in constants[start:end]))
