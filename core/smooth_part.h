@@ -196,6 +196,11 @@ Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2, T sin_
 // towards the horizon. None with an alpha^2 above kMostSquare, where two alphas are half the
 // sphere.
 inline constexpr double kWider = 2, kMostWide = 0.25, kMostAside = 0.4, kMostSquare = 0.5;
+// Where the mirrored light stands at this cosine, opposite to the observer, the wide lobe shall
+// have fallen to kAtHorizon of f in the middle: else it passes f there by up to 5 % of the middle,
+// and no flake takes that back. So its alpha^2 is smaller in the plane of view, by this factor at
+// most.
+inline constexpr double kHorizon = 0.1, kAtHorizon = 0.01, kLeastAlong = 0.8;
 // The factors of the guess are not the narrow lobe's: towards the horizon that shows more than it
 // should beside the middle, and as it may not pass f, less everywhere. From this logarithm on it is
 // fitted once more, at twice that wholly. Not without a wide lobe: then views within 18 degrees of
@@ -306,12 +311,18 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   // The wide lobe.
   const T fall_x = clamp(T(-0.5) * logarithm(ratio[1] * ratio[2]), T(0.34), T(4));
   const T fall_y = clamp(-logarithm(ratio[3]), T(0.34), T(4));
-  const T wide_x2 = T(kWider) * (guess.alpha_x * guess.alpha_x) / fall_x;
+  T wide_x2 = T(kWider) * (guess.alpha_x * guess.alpha_x) / fall_x;
   const T wide_y2 = T(kWider) * (guess.alpha_y * guess.alpha_y) / fall_y;
   T share = 0, aside = 0;
   if (is_far_seen && max(wide_x2, wide_y2) < T(kMostSquare)) {
     share = wide_share(ratio[5], fall_y);
     if (share > 0) {
+      // That half vector's slope to the normal, away from the observer, and to the guess's.
+      const T level = T(0.994987437106619954735L);  // sqrt(1 - kHorizon^2)
+      const T from_normal = (level - sin_view) / (cos_view + T(kHorizon));
+      const T horizon = (from_normal + slope) / (1 - from_normal * slope);
+      const T fall = max(logarithm(share / T(kAtHorizon)), T(0.1));
+      wide_x2 = max(min(wide_x2, horizon * horizon / fall), T(kLeastAlong) * wide_x2);
       const T lower = max(logarithm(share / ratio[4]), T(0));
       aside = clamp(2 * guess.alpha_x - sqrt(wide_x2 * lower), T(-kMostAside) * guess.alpha_x,
                     T(kMostAside) * guess.alpha_x);

@@ -14,7 +14,7 @@
 #define TO_HORIZON_BESIDE 0.2
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
-#define GIVEN_TO_LOBE 0.05
+#define GIVEN_TO_LOBE 0.03
 #define FLAKES_BESIDE 3
 #define FLAKES_LEANING 5
 
@@ -231,6 +231,15 @@ color leave_beside(output MirroredSample mirrored, SmoothPart part, vector n, ve
   mirrored.drift = mirrored.drift + along * pull_along + across * pull_across;
   mirrored.along = sqrt(max(1.0 + f_along + bend_in - pull_along * pull_along / t, 0.0));
   mirrored.across = sqrt(max(1.0 + f_across + bend_across - pull_across * pull_across / t, 0.0));
+  return given;
+}
+
+SmoothPart give_to_lobes(SmoothPart part, color more, color less)
+{
+  SmoothPart given = part;
+  color rest = part.wide.weight + less;
+  given.wide.weight = max(rest, color(0.0));
+  given.narrow.weight = max(part.narrow.weight + more + min(rest, color(0.0)), color(0.0));
   return given;
 }
 

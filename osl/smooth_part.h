@@ -13,6 +13,10 @@
 #define WIDER 2.0
 #define MOST_WIDE 0.25
 #define MOST_ASIDE 0.4
+#define HORIZON 0.1
+#define LEVEL 0.99498744
+#define AT_HORIZON 0.01
+#define LEAST_ALONG 0.8
 #define MOST_OFF 0.1
 #define MOST_SQUARE 0.5
 #define HEIGHT 0.98
@@ -297,6 +301,10 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   if (is_far_seen && max(wide_x2, wide_y2) < MOST_SQUARE) {
     share = wide_share(ratio[5], fall_y);
     if (share > 0.0) {
+      float from_normal = (LEVEL - sin_view) / (cos_view + HORIZON);
+      float horizon = (from_normal + slope) / (1.0 - from_normal * slope);
+      float fall = max(logarithm(share / AT_HORIZON), 0.1);
+      wide_x2 = max(min(wide_x2, horizon * horizon / fall), LEAST_ALONG * wide_x2);
       float lower = max(logarithm(share / ratio[4]), 0.0);
       aside = clamp(2.0 * guess.alpha_x - sqrt(wide_x2 * lower), -MOST_ASIDE * guess.alpha_x,
                     MOST_ASIDE * guess.alpha_x);

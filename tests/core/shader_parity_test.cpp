@@ -583,9 +583,16 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
                                    const SmoothPart<float>& beside) {
           auto shader_left = shader_sample;
           MirroredSample<float> left = sample;
-          same("what the lobe is given",
+          const Rgb<float> to_lobes = leave_beside(left, beside, point.normal, point.view);
+          same("what the lobes are given",
                osl::leave_beside(shader_left, shader_beside, surface.n, to_osl(point.view)),
-               leave_beside(left, beside, point.normal, point.view));
+               to_lobes);
+          const Rgb<float> less = metallic_paint::least(to_lobes, Rgb<float>{}),
+                           more = to_lobes - less;
+          const auto shader_given = osl::give_to_lobes(shader_beside, to_osl(more), to_osl(less));
+          const SmoothPart<float> with = give_to_lobes(beside, more, less);
+          same("the narrow lobe with it", shader_given.narrow.weight, with.narrow.weight);
+          same("the wide lobe with it", shader_given.wide.weight, with.wide.weight);
           same("what is left beside it", shader_left.weight, left.weight);
           same("its variance", shader_left.variance, left.variance);
           same("its drift", shader_left.drift, left.drift);

@@ -237,24 +237,37 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
       const double fall = random.log_uniform(0.1, 9);
       part = lean_away(part, scene.view, light, fall);
     }
-    std::array<double, 4> exact{}, lobe{}, shape{}, sum{}, square{};
-    double given = 0;
+    std::array<double, 4> exact{}, lobe{}, of_narrow{}, of_wide{}, sum{}, square{};
+    double to_narrow = 0, to_wide = 0;
     over_half_sphere([&](Vec3<double> light, double cosine) {
       const double area = std::numbers::pi / (kRings * kRings);
       exact[ring_of(scene, light)] +=
           flake_brdf(layer, scene.normal, scene.view, light).y * cosine * area;
       lobe[ring_of(scene, light)] += smooth_shows(part, light).y * area;
-      shape[ring_of(scene, light)] += facets_show(part.narrow, light) * area;
+      of_narrow[ring_of(scene, light)] += facets_show(part.narrow, light) * area;
+      of_wide[ring_of(scene, light)] += facets_show(part.wide, light) * area;
     });
+    Rgb<double> more{}, less{};
     for (int i = 0; i < kSamples; ++i) {
       auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
                                  random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
-      given += leave_beside(sample, part, scene.normal, scene.view).y / kSamples;
+      const Rgb<double> given =
+          leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside);
+      const Rgb<double> taken = least(given, Rgb<double>{});
+      less = less + taken;
+      more = more + (given - taken);
+      if (i % kFlakesBeside == kFlakesBeside - 1) {
+        const auto with = give_to_lobes(part, more, less);
+        to_narrow += (with.narrow.weight.y - part.narrow.weight.y) * kFlakesBeside / kSamples;
+        to_wide += (with.wide.weight.y - part.wide.weight.y) * kFlakesBeside / kSamples;
+        more = less = {};
+      }
       const double left = sample.weight.y;
       sum[ring_of(scene, sample.direction)] += left / kSamples;
       square[ring_of(scene, sample.direction)] += left * left / kSamples;
     }
-    for (std::size_t ring = 0; ring < 4; ++ring) lobe[ring] += given * shape[ring];
+    for (std::size_t ring = 0; ring < 4; ++ring)
+      lobe[ring] += to_narrow * of_narrow[ring] + to_wide * of_wide[ring];
     const double all = exact[0] + exact[1] + exact[2] + exact[3];
     for (std::size_t ring = 0; ring < 4; ++ring) {
       if (square[ring] * 100 > sum[ring] * sum[ring] * kSamples) continue;
