@@ -187,7 +187,9 @@ Vec3<T> level_across(Vec3<T> normal, Vec3<T> direction) {
 }
 
 // A small share of what a flake shows beside a smooth part, or less than nothing, is given to the
-// lobes instead (`give_to_lobes`): all light together stays. It moves, though.
+// lobes instead (`give_to_lobes`): all light together stays. It moves, though: of 900 lamps 12 are
+// off by more than 1 % of what flakes show of them, 95 % by up to 0.8 %, one by 1.8 %. With a share
+// of 0.05 twice as many are, and noise under an HDRI is 2 % less.
 inline constexpr double kGivenToLobe = 0.03;
 // So many flakes a sample then, each of this part of the weight, their deviates evenly apart: a
 // lamp that one cone misses is in another. A fourth takes its time and no noise from balls under

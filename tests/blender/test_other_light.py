@@ -295,8 +295,9 @@ PIXELS, WIDTH = 96, 0.01
 # Relative, of the means under the sun and the lamp. Under the world it is some 0.1 %.
 SUN_ERROR, LAMP_ERROR = 0.002, 0.002
 MOST_SAMPLES = 144
-# Of a lamp's light, beside the standard errors: lobes give what they show too much at their foot to
-# their middle, and cones blur. Of 93 fresh paints 95 % were off by up to 0.84 %, one by 1.04 %.
+# Of a lamp's light, beside the standard errors: what lobes show too much in one place they lack in
+# another, and cones blur. Of 93 fresh paints 95 % were off by up to 0.84 %, one by 1.04 %, when the
+# lobes erred more (ALampsLightIsThatOfTheFlakes in tests/core/smooth_part_test.cpp).
 LAMP_BIAS = 0.01
 
 

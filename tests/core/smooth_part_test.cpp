@@ -273,13 +273,81 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
       if (square[ring] * 100 > sum[ring] * sum[ring] * kSamples) continue;
       // The rule's error, and what the lobe may show too much.
       const double error = std::sqrt((square[ring] - sum[ring] * sum[ring]) / kSamples) +
-                           (4e-3 * exact[ring] + 0.012 * all) / threshold;
+                           (4e-3 * exact[ring] + 0.006 * all) / threshold;
       worst.see(std::fabs(lobe[ring] + sum[ring] - exact[ring]) / error, "ring", ring, "found",
                 lobe[ring] + sum[ring], "exact", exact[ring], scene);
     }
   }
   worst.expect_at_most(threshold);
 }
+
+// The radiance of the lobes and of what they leave the flakes under a round lamp, over that of the
+// flakes alone, of the colour that is most off.
+double off_under_lamp(const TestScene& scene, double radius, Random& random) {
+  const auto layer = scene.layer<double>();
+  const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
+  constexpr int kDraws = 2'000;
+  Rgb<double> narrow{}, wide{};  // the lobes' weights, with what flakes give and take
+  for (int i = 0; i < kDraws; ++i) {
+    Rgb<double> more{}, less{};
+    const double u = random.uniform(), w = random.uniform();
+    for (int k = 0; k < kFlakesBeside; ++k) {
+      const double on = static_cast<double>(k) / kFlakesBeside;
+      auto sample =
+          sample_flake(layer, scene.normal, scene.view, inside_unit(std::fmod(u + on, 1)),
+                       std::fmod(w + 2 * on, 1), static_cast<FirstFlake<double>*>(nullptr), true);
+      const Rgb<double> given =
+          leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside);
+      const Rgb<double> taken = least(given, Rgb<double>{});
+      less = less + taken;
+      more = more + (given - taken);
+    }
+    const auto with = give_to_lobes(part, more, less);
+    narrow = narrow + with.narrow.weight * (1.0 / kDraws);
+    wide = wide + with.wide.weight * (1.0 / kDraws);
+  }
+  Rgb<double> flakes{}, shown{};
+  constexpr int kAcross = 30;
+  const Vec3<double> across = level_across(scene.normal, scene.light);
+  const Vec3<double> along = cross(scene.light, across);
+  for (int i = 0; i < kAcross * kAcross; ++i) {
+    const double x = radius * ((i % kAcross + 0.5) * 2 / kAcross - 1);
+    const double y = radius * ((i / kAcross + 0.5) * 2 / kAcross - 1);
+    if (x * x + y * y > radius * radius) continue;
+    const Vec3<double> at = scene.light + across * x + along * y;
+    const Vec3<double> light = at / length(at);
+    const double cosine = dot(scene.normal, light);
+    if (!(cosine > 0)) continue;
+    const Rgb<double> f = flake_brdf(layer, scene.normal, scene.view, light) * cosine;
+    const Rgb<double> rest = f - smooth_shows(part, light);
+    const auto left = [](double above, double of) {
+      return above > kGivenToLobe * of ? above : 0.0;
+    };
+    flakes = flakes + f;
+    shown = shown + narrow * facets_show(part.narrow, light) +
+            wide * facets_show(part.wide, light) +
+            Rgb<double>{left(rest.x, f.x), left(rest.y, f.y), left(rest.z, f.z)};
+  }
+  const Rgb<double> over = shown / flakes;
+  return std::max({std::fabs(over.x - 1), std::fabs(over.y - 1), std::fabs(over.z - 1)});
+}
+
+// Within 1 %, but for 3.7 % of lamps (of 3,200): more than 20 of 200 in one of 20,000 runs.
+TEST(SmoothPart, ALampsLightIsThatOfTheFlakes) {
+  Random random = fresh(98);
+  int off = 0;
+  for (int k = 0; k < 200;) {
+    const TestScene scene = smooth_scene(random, static_cast<Orientation>(k % 3));
+    if (!(dot(scene.light, scene.normal) > 0.2)) continue;
+    ++k;
+    const double turned = 2 * scene.paint.binder_ior * scene.paint.tilt;
+    const double half = std::clamp(turned * random.uniform(0.5, 1.5), 0.1, 0.8);
+    if (off_under_lamp(scene, std::tan(half), random) > 0.01) ++off;
+  }
+  EXPECT_LE(off, 11);
+  std::printf("OFF %d\n", off);
+}
+
 TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) { expect_brdf(93, false); }
 TEST(SmoothPart, LeaningWithWhatItLeavesTheFlakesIsTheBrdf) { expect_brdf(97, true); }
 
