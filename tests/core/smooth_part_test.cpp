@@ -219,6 +219,16 @@ TEST(SmoothPart, ALobeThatLeansAwayShowsLessOfTheLightAndKeepsToWhereItWas) {
   lost.expect_at_most(0.9);
 }
 
+// What flakes give to the lobes, and what they take.
+struct Given {
+  Rgb<double> more{}, less{};
+  void add(Rgb<double> given) {
+    const Rgb<double> taken = least(given, Rgb<double>{});
+    less = less + taken;
+    more = more + (given - taken);
+  }
+};
+
 // The lobe and what it leaves the flakes, over rings about the mirror direction. Of 51 runs of
 // fresh scenes three had one, seen from within 19 degrees of the horizon, in which what the lobe
 // shows too much was 3 % of the flakes' light in the outermost ring. So the scenes are the same in
@@ -247,20 +257,16 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
       of_narrow[ring_of(scene, light)] += facets_show(part.narrow, light) * area;
       of_wide[ring_of(scene, light)] += facets_show(part.wide, light) * area;
     });
-    Rgb<double> more{}, less{};
+    Given given;
     for (int i = 0; i < kSamples; ++i) {
       auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
                                  random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
-      const Rgb<double> given =
-          leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside);
-      const Rgb<double> taken = least(given, Rgb<double>{});
-      less = less + taken;
-      more = more + (given - taken);
+      given.add(leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside));
       if (i % kFlakesBeside == kFlakesBeside - 1) {
-        const auto with = give_to_lobes(part, more, less);
+        const auto with = give_to_lobes(part, given.more, given.less);
         to_narrow += (with.narrow.weight.y - part.narrow.weight.y) * kFlakesBeside / kSamples;
         to_wide += (with.wide.weight.y - part.wide.weight.y) * kFlakesBeside / kSamples;
-        more = less = {};
+        given = {};
       }
       const double left = sample.weight.y;
       sum[ring_of(scene, sample.direction)] += left / kSamples;
@@ -283,26 +289,24 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
 
 // The radiance of the lobes and of what they leave the flakes under a round lamp, over that of the
 // flakes alone, of the colour that is most off.
-double off_under_lamp(const TestScene& scene, double radius, Random& random) {
+double off_under_lamp(const TestScene& scene, double radius) {
   const auto layer = scene.layer<double>();
   const auto part = smooth_part(layer, layer.flakes[0], scene.normal, scene.view);
   constexpr int kDraws = 2'000;
   Rgb<double> narrow{}, wide{};  // the lobes' weights, with what flakes give and take
   for (int i = 0; i < kDraws; ++i) {
-    Rgb<double> more{}, less{};
-    const double u = random.uniform(), w = random.uniform();
+    Given given;
+    // Kronecker's deviates, from the plastic number.
+    const double u = std::fmod((i + 0.5) * 0.7548776662466927, 1);
+    const double w = std::fmod((i + 0.5) * 0.5698402909980532, 1);
     for (int k = 0; k < kFlakesBeside; ++k) {
       const double on = static_cast<double>(k) / kFlakesBeside;
       auto sample =
           sample_flake(layer, scene.normal, scene.view, inside_unit(std::fmod(u + on, 1)),
                        std::fmod(w + 2 * on, 1), static_cast<FirstFlake<double>*>(nullptr), true);
-      const Rgb<double> given =
-          leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside);
-      const Rgb<double> taken = least(given, Rgb<double>{});
-      less = less + taken;
-      more = more + (given - taken);
+      given.add(leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside));
     }
-    const auto with = give_to_lobes(part, more, less);
+    const auto with = give_to_lobes(part, given.more, given.less);
     narrow = narrow + with.narrow.weight * (1.0 / kDraws);
     wide = wide + with.wide.weight * (1.0 / kDraws);
   }
@@ -332,7 +336,7 @@ double off_under_lamp(const TestScene& scene, double radius, Random& random) {
   return std::max({std::fabs(over.x - 1), std::fabs(over.y - 1), std::fabs(over.z - 1)});
 }
 
-// Within 1 %, but for 3.7 % of lamps (of 3,200): more than 20 of 200 in one of 20,000 runs.
+// Within 1 %, but for 3.2 % of lamps (of 3,200): more than 17 of 200 in one of 10,000 runs.
 TEST(SmoothPart, ALampsLightIsThatOfTheFlakes) {
   Random random = fresh(98);
   int off = 0;
@@ -342,10 +346,9 @@ TEST(SmoothPart, ALampsLightIsThatOfTheFlakes) {
     ++k;
     const double turned = 2 * scene.paint.binder_ior * scene.paint.tilt;
     const double half = std::clamp(turned * random.uniform(0.5, 1.5), 0.1, 0.8);
-    if (off_under_lamp(scene, std::tan(half), random) > 0.01) ++off;
+    if (off_under_lamp(scene, std::tan(half)) > 0.01) ++off;
   }
-  EXPECT_LE(off, 11);
-  std::printf("OFF %d\n", off);
+  EXPECT_LE(off, 17);
 }
 
 TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) { expect_brdf(93, false); }
