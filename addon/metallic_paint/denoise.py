@@ -9,9 +9,10 @@ and from the same samples; so
     S = max(0, G − (picture − L))
 
 takes the noisy mirrored world away again, exactly. It also takes from each sparkle what the pixel
-shows of the world by diffuse and repeated reflection. This little stays in the rest. Other things
-than paint do not sparkle: a matte of the painted materials (Cryptomatte), m, leaves them to the
-denoiser. The sum of both is the picture as it was:
+shows of the world by diffuse and repeated reflection. This little stays in the rest. A world has
+one light group for all its light, so the sun of an environment image becomes a lamp for this
+(scene/sun_lamp.py). Other things than paint do not sparkle: a matte of the painted materials
+(Cryptomatte), m, leaves them to the denoiser. The sum of both is the picture as it was:
 
     shown = denoised(picture − m S) + m S
 """
@@ -23,7 +24,7 @@ from typing import Literal
 import bpy
 
 from .paint import material
-from .scene import lights, needs
+from .scene import lights, needs, sun_lamp, wiring
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
@@ -77,6 +78,8 @@ def outdated(scene: bpy.types.Scene) -> str:
             for lamp in lights.in_slots()
             if (lamp.is_editable or lamp.lightgroup) and lamp.lightgroup not in groups
         ]
+        if not sun_lamp.is_current(scene):
+            new.append("where the world's sun is")
     again = SET_UP
     return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
 
@@ -107,7 +110,6 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
     if reason := why_not(scene):
         raise DenoiseError(f"{reason}.")
     found = needs.fit(scene).lights
-    slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
     if is_set_up(scene):
         remove(scene)
     layer = _layer(scene)
@@ -121,16 +123,11 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "painted": _painted(),
     }
     try:
-        changed = _change(scene, layer, slots, was)
+        changed = _change(scene, layer, found, was)
     except BaseException:
         _change_back(scene, was)
         raise
     scene[_MARK] = was
-    if found.sky:
-        changed.append(
-            f"Sparkles of {found.sky} are denoised: the world has one light group for all its "
-            "light. A Sun lamp in its place keeps them."
-        )
     return changed
 
 
@@ -188,10 +185,20 @@ def node_group() -> bpy.types.CompositorNodeTree:
 def _change(
     scene: bpy.types.Scene,
     layer: bpy.types.ViewLayer,
-    slots: tuple[bpy.types.Object, ...],
+    found: lights.Report,
     was: dict,
 ) -> list[str]:
-    changed = _set_light_groups(scene, layer, slots, was)
+    slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
+    changed = []
+    if found.sky:
+        if reason := sun_lamp.why_not(scene):
+            lost = f"Sparkles of {found.sky} are denoised: {reason}"
+            changed.append(f"{lost}. A Sun lamp in its place keeps them.")
+        else:
+            lamp = sun_lamp.make(scene)
+            slots += (lamp,)
+            changed.append(f"The lamp “{lamp.name}” shines in place of {found.sky}.")
+    changed += _set_light_groups(scene, layer, slots, was)
     for name in _PASSES:
         setattr(layer, name, True)
     layer.cycles.denoising_store_passes = True
@@ -209,6 +216,7 @@ def _change(
 def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
+    sun_lamp.remove(scene, [each for each in bpy.data.scenes if each != scene and is_set_up(each)])
     layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is not None:
         for name in _PASSES:
@@ -388,13 +396,7 @@ def _mix(
 
 
 def _lay_out(tree: bpy.types.NodeTree) -> None:
-    """Nodes in columns, from left to right as the picture goes, and marked as ours."""
-    column = dict.fromkeys(tree.nodes, 0)
-    for _ in tree.nodes:
-        for link in tree.links:
-            column[link.to_node] = max(column[link.to_node], column[link.from_node] + 1)
-    rows: dict[int, int] = {}
-    for node, x in column.items():
+    """Nodes in columns, and marked as ours."""
+    wiring.lay_out(tree)
+    for node in tree.nodes:
         node[_MARK] = True
-        node.location = 250 * x, -200 * rows.get(x, 0)
-        rows[x] = rows.get(x, 0) + 1

@@ -3,9 +3,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import bpy
+import numpy as np
+
+WIDTH, HEIGHT = 2048, 1024  # of a world's image, in pixels
 
 
 def add_lamp(kind: str, name: str, **values: object) -> bpy.types.Object:
@@ -62,3 +66,34 @@ def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
     bpy.context.scene.collection.objects.link(linked)
     assert linked.name == lamp.name
     return linked
+
+
+def directions() -> np.ndarray:
+    """Of the image's pixels, lowest row first."""
+    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
+    turn = -2 * math.pi * ((np.arange(WIDTH) + 0.5) / WIDTH - 0.5)[None, :]
+    return np.stack(
+        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], -1
+    )
+
+
+def disc(towards: np.ndarray, radius: float, sun: float, rest: float) -> np.ndarray:
+    near = directions() @ (towards / np.linalg.norm(towards)) > math.cos(radius)
+    return np.where(near, sun, rest).astype(np.float32)
+
+
+def world_of(light: np.ndarray) -> bpy.types.ShaderNodeTexEnvironment:
+    world = bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True
+    bpy.context.scene.world = world
+    tree = world.node_tree
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    image = bpy.data.images.new("Sky", WIDTH, HEIGHT, float_buffer=True)
+    pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
+    pixels[..., :3] = light[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    node.image = image
+    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs["Color"])
+    return node

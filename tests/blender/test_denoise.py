@@ -21,11 +21,11 @@ import pytest
 from metallic_paint import denoise, verify
 from metallic_paint.interface import denoise as interface
 from metallic_paint.paint import material, presets
-from metallic_paint.scene import needs
+from metallic_paint.scene import carrier, needs
 from metallic_paint.scene.report import report
 from metallic_paint.verify import diagnostics
 from recording import drawn
-from scenery import add_lamp, link_namesake, show_as_instance
+from scenery import add_lamp, directions, disc, link_namesake, show_as_instance, world_of
 from verification import scenes
 
 SIZE = 80
@@ -81,6 +81,17 @@ def build(preset: str = "silver-coarse") -> bpy.types.Scene:
     return scene
 
 
+def put_sun_into_world(scene: bpy.types.Scene) -> None:
+    """In place of the lamp and the world: an image of its sun, as strong, and of uneven glow."""
+    lamp = scene.objects["Sun"]
+    scene.view_layers[0].update()
+    towards = np.array(lamp.matrix_world.col[2].xyz)
+    x, y, z = (9 * directions()[..., i] for i in range(3))
+    glow = 3 * (np.sin(x) * np.sin(y) * np.cos(z) > 0.4)
+    world_of(disc(towards, 0.01, lamp.data.energy / (math.pi * 0.01**2), glow)).name = "Image"
+    bpy.data.lights.remove(lamp.data)
+
+
 def picture(scene: bpy.types.Scene, samples: int, seed: int) -> np.ndarray:
     scene.cycles.samples, scene.cycles.seed = samples, seed
     return verify.render(scene).mean(axis=-1)
@@ -98,7 +109,9 @@ def sparkles_alone(scene: bpy.types.Scene) -> np.ndarray:
     sphere = scene.objects["Sphere"]
     bounces, scene.cycles.max_bounces = scene.cycles.max_bounces, 0
     scene.objects["Area"].hide_render = True
-    world, scene.world = scene.world, None
+    world = scene.world
+    if "Sun" in scene.objects:
+        scene.world = None
     scene.objects["Plane"].visible_camera = False
     try:
         with diagnostics.variants([sphere.active_material]):
@@ -114,9 +127,12 @@ def noise(first: np.ndarray, second: np.ndarray) -> float:
     return float(np.sqrt(((first - second) ** 2).mean() / 2) / first.mean())
 
 
-@pytest.mark.long  # 50 s of processor time
-def test_sparkles_pass_by_the_denoiser_and_noise_does_not() -> None:
+@pytest.mark.long  # 50 s of processor time each
+@pytest.mark.parametrize("sun", ["lamp", "image"])
+def test_sparkles_pass_by_the_denoiser_and_noise_does_not(sun: str) -> None:
     scene = build()
+    if sun == "image":
+        put_sun_into_world(scene)
     needs.fit(scene)
     verify.write_floats(scene, "OPEN_EXR")
     reference = picture(scene, REFERENCE_SAMPLES, 99)
@@ -145,7 +161,9 @@ def test_sparkles_pass_by_the_denoiser_and_noise_does_not() -> None:
     floor = x**2 + y**2 > (SIZE / 2.2) ** 2
     noises = [noise(*(each[floor] for each in pair)) for pair in (simply, kept)]
     print(f"noise of the floor {noises}")
-    assert noises[1] <= 1.1 * noises[0]
+    # Beside a lamp more the world has fewer rays: 1.16 times the noise before denoising. What two
+    # denoised pictures tell of it scatters, from 1.04 to 1.26 in four runs.
+    assert noises[1] <= (1.1 if sun == "lamp" else 1.4) * noises[0]
     # Nothing of these samples is made or lost.
     assert kept[0][ball].mean() == pytest.approx(noisy[ball].mean(), rel=0.01)
 
@@ -251,6 +269,7 @@ def test_a_set_up_that_breaks_off_changes_nothing(
     monkeypatch: pytest.MonkeyPatch, step: str
 ) -> None:
     scene = build()
+    put_sun_into_world(scene)
     needs.fit(scene)
     scene.cycles.use_denoising = True
     add_plain_compositing(scene)
@@ -440,10 +459,108 @@ def test_registering_twice_is_possible(registered: None) -> None:
     assert hasattr(bpy.types, "MATERIAL_PT_metallic_paint_denoise")
 
 
-def test_the_sun_of_a_world_is_told_of() -> None:
+def test_the_sun_of_an_image_is_a_lamp_while_denoising(registered: None) -> None:
+    """It lights the same, the camera sees the sky as it was, and all is taken back."""
     scene = build()
+    put_sun_into_world(scene)
+    add_plain_compositing(scene)
+    camera = bpy.data.objects.new("Sky", bpy.data.cameras.new("Sky"))
+    camera.data.angle, camera.location = 0.1, (0, 0, 5)
+    scene.collection.objects.link(camera)
+    needs.fit(scene)
+    camera.rotation_euler = carrier.values()[-1][1].to_track_quat("-Z", "Y").to_euler()
+    verify.write_floats(scene, "OPEN_EXR")
+    scene.cycles.sample_clamp_indirect = 0  # which cuts by how lights are picked
+    scene.cycles.max_bounces = 0
+
+    def looks() -> list[np.ndarray]:
+        """At the scene and at the sky, without compositing, which the denoiser blurs."""
+        scene.render.use_compositing = False
+        eye, scene.camera = scene.camera, camera
+        up = picture(scene, 4, 1)
+        scene.camera = eye
+        return [picture(scene, 256, 1), up]
+
+    def links() -> list[tuple[str, str]]:
+        return [(each.from_node.name, each.to_node.name) for each in scene.world.node_tree.links]
+
+    before, seen, wired = state(scene), looks(), links()
+    scene.render.use_compositing = before["compositing"]
+    said = "\n".join(denoise.set_up(scene))
+    assert f"The lamp “Sun of {scene.world.name}” shines in place of the sun of" in said
+    lamp = scene.objects[f"Sun of {scene.world.name}"]
+    assert lamp.lightgroup == denoise.LIGHT_GROUP
+    needs.fit(scene)
+    assert [kind for kind, *_ in carrier.values()] == [carrier.AREA, carrier.SKY]
+    assert (
+        f"no sparkles from {lamp.name}: its sparkles are those of the world's sun" in needs.said()
+    )
+    assert denoise.outdated(scene) == ""
+    ball, sky = looks()
+    np.testing.assert_array_equal(sky, seen[1])
+    assert sky.max() > 1000
+    assert ball.mean() == pytest.approx(seen[0].mean(), rel=0.01)  # some 6 standard errors
+    denoise.remove(scene)
+    needs.fit(scene)
+    scene.render.use_compositing = before["compositing"]
+    assert state(scene) == before
+    assert links() == wired
+    assert not [each for each in bpy.data.lights if each.users == 0]
+
+
+def test_a_sun_that_moves_is_told_of_and_its_strength_followed(registered: None) -> None:
+    scene = build()
+    put_sun_into_world(scene)
+    needs.fit(scene)
+    denoise.set_up(scene)
+    tree = scene.world.node_tree
+    tree.nodes["Background"].inputs["Strength"].default_value = 0.25
+    lamp = next(each for each in scene.objects if each.name.startswith("Sun of"))
+    lamp = lamp.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert lamp.data.node_tree.nodes["Emission"].inputs["Strength"].default_value == (
+        pytest.approx(0.25, rel=1e-6)
+    )
+    turn = tree.nodes.new("ShaderNodeMapping")
+    where = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(where.outputs["Generated"], turn.inputs["Vector"])
+    tree.links.new(turn.outputs[0], tree.nodes["Image"].inputs["Vector"])
+    turn.inputs["Rotation"].default_value[2] = 0.3
+    needs.fit(scene)
+    assert "does not know where the world's sun is: press" in denoise.outdated(scene)
+    before = carrier.values()
+    denoise.set_up(scene)
+    assert denoise.outdated(scene) == ""
+    needs.fit(scene)
+    assert carrier.values() == before
+    lamp = next(each for each in scene.objects if each.name.startswith("Sun of"))
+    scene.view_layers[0].update()
+    assert lamp.matrix_world.col[2].xyz.angle(before[-1][1]) < 1e-3
+
+
+def test_the_sun_of_a_copied_scene_stays_while_it_is_denoised() -> None:
+    scene = build()
+    put_sun_into_world(scene)
+    denoise.set_up(scene)
+    copy = scene.copy()  # shows the same lamps and world
+    denoise.remove(copy)
+    assert denoise.outdated(scene) == ""
+    denoise.remove(scene)
+    assert not [each for each in scene.objects if each.name.startswith("Sun of")]
+    assert bpy.data.objects.get("Sphere")
+
+
+def test_a_sun_that_cannot_be_a_lamp_is_told_of(tmp_path: Path) -> None:
+    scene = build()
+    put_sun_into_world(scene)
+    tree = scene.world.node_tree
+    strength = tree.nodes.new("ShaderNodeValue")
+    strength.outputs[0].default_value = 1
+    tree.links.new(strength.outputs[0], tree.nodes["Background"].inputs["Strength"])
+    said = "\n".join(denoise.set_up(scene))
+    assert "are denoised: nodes decide on the world's Strength. A Sun lamp in its" in said
     scenes.sky(50, 110)(scene)
     said = "\n".join(denoise.set_up(scene))
-    assert f"Sparkles of the sun of {scene.world.name} are denoised" in said
+    assert f"Sparkles of the sun of {scene.world.name} are denoised: Blender's sky" in said
+    assert denoise.outdated(scene) == ""
     scene.world.node_tree.nodes["Sky Texture"].sun_disc = False
     assert "Sparkles of the sun" not in "\n".join(denoise.set_up(scene))

@@ -15,40 +15,8 @@ from metallic_paint import verify
 from metallic_paint.native import core_lights
 from metallic_paint.paint import Paint, core_paint
 from metallic_paint.scene import carrier, lights, needs, sky
+from scenery import disc, world_of
 from verification import scenes
-
-WIDTH, HEIGHT = 2048, 1024
-
-
-def directions() -> np.ndarray:
-    """Of the image's pixels, lowest row first."""
-    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
-    turn = -2 * math.pi * ((np.arange(WIDTH) + 0.5) / WIDTH - 0.5)[None, :]
-    return np.stack(
-        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], -1
-    )
-
-
-def disc(towards: np.ndarray, radius: float, sun: float, rest: float) -> np.ndarray:
-    near = directions() @ (towards / np.linalg.norm(towards)) > math.cos(radius)
-    return np.where(near, sun, rest).astype(np.float32)
-
-
-def world_of(light: np.ndarray) -> bpy.types.ShaderNodeTexEnvironment:
-    world = bpy.data.worlds.new("World")
-    if world.node_tree is None:
-        world.use_nodes = True
-    bpy.context.scene.world = world
-    tree = world.node_tree
-    node = tree.nodes.new("ShaderNodeTexEnvironment")
-    image = bpy.data.images.new("Sky", WIDTH, HEIGHT, float_buffer=True)
-    pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
-    pixels[..., :3] = light[..., None]
-    image.pixels.foreach_set(pixels.ravel())
-    image.update()
-    node.image = image
-    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs["Color"])
-    return node
 
 
 def random_sun(number: int) -> tuple[np.ndarray, float]:
@@ -65,13 +33,14 @@ def test_the_spot_is_found_with_direction_and_size() -> None:
         assert spot is not None
         assert Vector(spot.direction).angle(Vector(towards)) < 2e-3
         assert spot.sine == pytest.approx(math.sin(radius), rel=0.12)  # of pixels 3 mrad wide
+        assert spot.irradiance == pytest.approx(1e5 * math.pi * math.sin(radius) ** 2, rel=0.24)
 
 
 def test_what_is_no_sun_has_no_slot() -> None:
     towards, _ = random_sun(630)
     assert sky.spot_of(disc(towards, 0.01, 50, 0.3)) is None  # a share of 1 %
     assert sky.spot_of(disc(towards, 0.5, 10, 0.1)) is None  # a window
-    assert sky.spot_of(np.zeros((HEIGHT, WIDTH), np.float32)) is None
+    assert sky.spot_of(np.zeros((512, 1024), np.float32)) is None
 
 
 @pytest.mark.every_blender

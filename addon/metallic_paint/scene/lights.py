@@ -20,12 +20,11 @@ import secrets
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import bpy
 from mathutils import Matrix, Vector
 
-from . import carrier, placed, sky, wiring
+from . import carrier, placed, sky, sun_lamp, wiring
 from .placed import Placed
 
 NAME = "Metallic Paint Lights"
@@ -201,6 +200,8 @@ def why_not(light: bpy.types.Object) -> str:
     """Why a light can have no slot, whatever else there is; empty where it can."""
     if light.data.type not in carrier.KINDS:
         return f"lights of type {light.data.type} are not known"
+    if sun_lamp.is_one(light):
+        return "its sparkles are those of the world's sun"
     if isinstance(light.data, bpy.types.AreaLight):
         if light.data.cycles.is_portal:
             return "a portal is a window for the world's light"
@@ -311,7 +312,7 @@ def _build(
             here[0] = float(kinds[slot - 1])
             (*own_place, own_size), own_facing = numbers[slot - 1]
             carried = wiring.attribute(group, "INSTANCER", carrier.path(slot, kinds[slot - 1]))
-            is_there = _compute(group, "GREATER_THAN", carried.outputs["Alpha"], 0)
+            is_there = wiring.compute(group, "GREATER_THAN", carried.outputs["Alpha"], 0)
             place = wiring.mix(
                 group, "VECTOR", is_there.outputs[0], tuple(own_place), carried.outputs["Vector"]
             )
@@ -348,9 +349,9 @@ def _look_at_scene(group: bpy.types.ShaderNodeTree) -> _Scene:
     apart = group.nodes.new("ShaderNodeSeparateXYZ")
     group.links.new(told.outputs["Vector"], apart.inputs[0])
     number, *values = apart.outputs
-    is_known = _compute(group, "GREATER_THAN", number, 0.5)
-    is_own = _compute(group, "COMPARE", number, group[_FILE], 0.5)
-    is_elsewhere = _compute(group, "GREATER_THAN", is_known.outputs[0], is_own.outputs[0])
+    is_known = wiring.compute(group, "GREATER_THAN", number, 0.5)
+    is_own = wiring.compute(group, "COMPARE", number, group[_FILE], 0.5)
+    is_elsewhere = wiring.compute(group, "GREATER_THAN", is_known.outputs[0], is_own.outputs[0])
     _arrange([told, apart, is_known, is_own, is_elsewhere], 0)
     found = dict(zip(_OF_SCENE, values, strict=True))
     slots = []
@@ -385,18 +386,6 @@ def _hand_out(
 def _arrange(row: Sequence[bpy.types.Node], line: int) -> None:
     for column, node in enumerate(row):
         node.location = 200 * (column - len(row)), -250 * line
-
-
-def _compute(
-    group: bpy.types.ShaderNodeTree,
-    operation: Literal["GREATER_THAN", "COMPARE"],
-    *values: bpy.types.NodeSocket | float,
-) -> bpy.types.Node:
-    node = group.nodes.new("ShaderNodeMath")
-    node.operation = operation
-    for socket, value in zip(node.inputs, values, strict=False):
-        wiring.feed(group, socket, value)
-    return node
 
 
 def _constants(light: Placed) -> _Constants:

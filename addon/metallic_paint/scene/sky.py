@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import bpy
 import numpy as np
@@ -20,6 +21,7 @@ REACH = 0.02  # rad, of the cone about the sun that sparkles: kSkyReach of the c
 LEAST_SHARE = 0.05
 _MOST_PIXELS = 2**25  # 8192 x 4096
 _FINER = 4  # steps in a pixel: Cycles interpolates between pixels
+MARK = "metallic_paint_sun"  # of a group that keeps the sun out of a world (sun_lamp.py)
 
 
 @dataclass(frozen=True)
@@ -27,12 +29,14 @@ class Sun:
     name: str
     direction: tuple[float, float, float]  # towards it
     sine: float  # of its angular radius
+    irradiance: float = 0.0  # of a surface that faces it, at Strength 1; 0: not known, as of a sky
 
 
 @dataclass(frozen=True)
 class _Spot:
     direction: tuple[float, float, float]  # in the texture's space
     sine: float
+    irradiance: float = 0.0
 
 
 _found: dict[tuple[object, ...], _Spot | None] = {}  # of images, which are searched once
@@ -40,31 +44,45 @@ _found: dict[tuple[object, ...], _Spot | None] = {}  # of images, which are sear
 
 def find(scene: bpy.types.Scene) -> Sun | None:
     """None where there is none, or where what lies between it and the world is not known."""
-    world = scene.world
-    tree = world.node_tree if world else None
-    if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
+    if (parts := shown(scene.world)) is None:
         return None
-    out = tree.get_output_node("CYCLES")
-    background = _source(out.inputs["Surface"]) if out else None
-    if background is None or background.type != "BACKGROUND" or background.mute:
-        return None
+    background, texture = parts
     strength = background.inputs["Strength"]
-    source = _source(background.inputs["Color"])
-    if source is None or source.mute or not (strength.is_linked or strength.default_value > 0):
+    if not (strength.is_linked or strength.default_value > 0):
         return None
-    if isinstance(source, bpy.types.ShaderNodeTexSky):
-        spot, turned = _of_sky(source), Matrix.Identity(3)
-    elif isinstance(source, bpy.types.ShaderNodeTexEnvironment):
-        spot, turned = _of_image(source), _turned(source.inputs["Vector"])
+    if isinstance(texture, bpy.types.ShaderNodeTexSky):
+        spot, turned = _of_sky(texture), Matrix.Identity(3)
+    elif isinstance(texture, bpy.types.ShaderNodeTexEnvironment):
+        spot, turned = _of_image(texture), _turned(texture.inputs["Vector"])
     else:
         return None
     if spot is None or turned is None:
         return None
     x, y, z = (turned @ Vector(spot.direction)).normalized()
-    return Sun(f"the sun of {world.name_full}", (x, y, z), spot.sine)
+    return Sun(f"the sun of {scene.world.name_full}", (x, y, z), spot.sine, spot.irradiance)
 
 
-def _source(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+def shown(world: bpy.types.World | None) -> tuple[bpy.types.Node, bpy.types.Node] | None:
+    """The Background node that shines, and the node that has its colour, where these are all."""
+    tree = world.node_tree if world else None
+    if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
+        return None
+    out = tree.get_output_node("CYCLES")
+    background = source(out.inputs["Surface"]) if out else None
+    if background is None or background.type != "BACKGROUND" or background.mute:
+        return None
+    texture = source(background.inputs["Color"])
+    if texture is not None and keeps_sun_out(texture):
+        texture = source(texture.inputs["Color"])
+    return None if texture is None or texture.mute else (background, texture)
+
+
+def keeps_sun_out(node: bpy.types.Node) -> TypeGuard[bpy.types.ShaderNodeGroup]:
+    """Whether it is the group that sun_lamp.py puts into a world."""
+    return node.type == "GROUP" and node.node_tree is not None and MARK in node.node_tree
+
+
+def source(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
     return socket.links[0].from_node if socket.is_linked else None
 
 
@@ -82,7 +100,7 @@ def _of_sky(node: bpy.types.ShaderNodeTexSky) -> _Spot | None:
 
 def _turned(socket: bpy.types.NodeSocket) -> Matrix | None:
     """From the texture's space into the world's; None where it is not known."""
-    node = _source(socket)
+    node = source(socket)
     if node is None or _is_generated(socket):
         return Matrix.Identity(3)
     if not isinstance(node, bpy.types.ShaderNodeMapping) or node.mute:
@@ -169,4 +187,4 @@ def spot_of(light: np.ndarray) -> _Spot | None:
     even = flux**2 / float((patch * power).sum())
     h = min(even / (4 * math.pi), 0.5)
     x, y, z = centre.tolist()
-    return _Spot((x, y, z), 2 * math.sqrt(h * (1 - h)))
+    return _Spot((x, y, z), 2 * math.sqrt(h * (1 - h)), flux)

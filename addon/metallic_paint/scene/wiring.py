@@ -22,7 +22,7 @@ def attribute(
 
 
 def feed(
-    group: bpy.types.ShaderNodeTree,
+    group: bpy.types.NodeTree,
     socket: bpy.types.NodeSocket,
     value: bpy.types.NodeSocket | Constant,
 ) -> None:
@@ -30,6 +30,18 @@ def feed(
         group.links.new(value, socket)
     else:
         socket.default_value = value
+
+
+def compute(
+    tree: bpy.types.NodeTree,
+    operation: Literal["COMPARE", "GREATER_THAN", "SUBTRACT"],
+    *values: bpy.types.NodeSocket | float,
+) -> bpy.types.Node:
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    for socket, value in zip(node.inputs, values, strict=False):
+        feed(tree, socket, value)
+    return node
 
 
 def mix(
@@ -63,3 +75,15 @@ def result(node: bpy.types.ShaderNodeMix) -> bpy.types.NodeSocket:
 def _input(node: bpy.types.ShaderNodeMix, identifier: str) -> bpy.types.NodeSocket:
     """A Mix node has sockets of all its types."""
     return next(each for each in node.inputs if each.identifier == identifier)
+
+
+def lay_out(tree: bpy.types.NodeTree) -> None:
+    """Nodes in columns, from left to right as the light goes."""
+    column = dict.fromkeys(tree.nodes, 0)
+    for _ in tree.nodes:
+        for link in tree.links:
+            column[link.to_node] = max(column[link.to_node], column[link.from_node] + 1)
+    rows: dict[int, int] = {}
+    for node, x in column.items():
+        node.location = 250 * x, -200 * rows.get(x, 0)
+        rows[x] = rows.get(x, 0) + 1
