@@ -77,6 +77,12 @@ def directions() -> np.ndarray:
     )
 
 
+def solid_angles() -> np.ndarray:
+    """Of the pixels of each row, (HEIGHT, 1)."""
+    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
+    return 2 * math.pi / WIDTH * math.pi / HEIGHT * np.cos(up)
+
+
 def disc(towards: np.ndarray, radius: float, sun: float, rest: float) -> np.ndarray:
     near = directions() @ (towards / np.linalg.norm(towards)) > math.cos(radius)
     return np.where(near, sun, rest).astype(np.float32)

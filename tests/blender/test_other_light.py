@@ -15,8 +15,10 @@ import pytest
 import seeds
 from bench import materials as bench_materials
 from metallic_paint import verify
+from metallic_paint.native import core_lights
 from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint, material, presets
 from metallic_paint.scene import lights, needs
+from scenery import disc, solid_angles, world_of
 from verification import scenes
 
 SAMPLES = 160
@@ -182,15 +184,17 @@ class Expected:
         anywhere = np.array([[0.0, 0.0, 1.0]])
         return radiance * core.reflectance(self.core, anywhere, **self.place())["albedo"][0]
 
-    def sparkles(self, sun: bpy.types.Object, pixel_m2: float) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and standard deviation."""
-        found = core.evaluate(self.core, [light_of(sun)], **self.place(pixel_m2))
-        mean, deviation = found["mean_radiance"][0, 0], np.sqrt(found["variance"][0, 0])
-        return sun.data.energy * mean, sun.data.energy * deviation
+    def listed(self, light: core.Light, pixel_m2: float) -> np.ndarray:
+        """Of a sun, per unit of its irradiance."""
+        found = core.shade(self.core, [light], **self.place(pixel_m2))
+        return found["mean_radiance"][0, 0]
 
-    def sun(self, sun: bpy.types.Object, pixel_m2: float) -> np.ndarray:
-        found = core.shade(self.core, [light_of(sun)], **self.place(pixel_m2))
-        return sun.data.energy * found["mean_radiance"][0, 0]
+    def pixel_of(self, light: core.Light, pixels: int) -> float:
+        """The area of each of so many pixels that together show a sun within SUN_ERROR, m²."""
+        mm2 = 1e-6
+        variance = core.evaluate(self.core, [light], **self.place(mm2))["variance"][0, 0]
+        scatter = (np.sqrt(variance) / self.listed(light, mm2)).max()
+        return mm2 * float(scatter / SUN_ERROR) ** 2 / pixels
 
     def lamp(self, lamp: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
         """Of a square lamp, and the part of it that its sparkles show more than the BRDF."""
@@ -339,6 +343,13 @@ def samples_for(probe: verify.Probe, error: float) -> int:
     return int(np.clip(8 * (found / mean / error).max() ** 2, 8, MOST_SAMPLES))
 
 
+def show_pixels_of(pixel_m2: float, view: np.ndarray) -> float:
+    """Gives the scene a scale by which a pixel shows so much surface, and returns it."""
+    settings = bpy.context.scene.unit_settings
+    settings.scale_length = math.sqrt(pixel_m2 * view[2]) / (WIDTH / PIXELS)
+    return pixel_m2
+
+
 # The second Blender has the same shader: a few paints show that it runs it alike.
 def some(numbers: Iterable[int], step: int) -> list[object]:
     """Of these paints every so many; the others with --all."""
@@ -357,11 +368,7 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     world = add_world(0.5)
     expected = Expected(paint, view)
 
-    # The scene's scale makes the pixels so large that they hold sparkles enough.
-    mm2 = 1e-6
-    deviation = expected.sparkles(sun, mm2)[1] / expected.sun(sun, mm2)
-    pixel_m2 = mm2 * (deviation.max() / PIXELS / SUN_ERROR) ** 2
-    scene.unit_settings.scale_length = math.sqrt(pixel_m2 * view[2]) / (WIDTH / PIXELS)
+    pixel_m2 = show_pixels_of(expected.pixel_of(light_of(sun), PIXELS**2), view)
 
     def light(*lit: bpy.types.ID) -> None:
         """These lights alone, and the paint fitted to them."""
@@ -387,7 +394,8 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     light(sun)
     by_sun = shown(4)
 
-    of_sun, of_world = expected.sun(sun, pixel_m2), expected.world(0.5)
+    of_sun = sun.data.energy * expected.listed(light_of(sun), pixel_m2)
+    of_world = expected.world(0.5)
     of_lamp, more = expected.lamp(lamp)
     bias = LAMP_BIAS * of_lamp
     expect_equal(by_sun, of_sun)
@@ -398,6 +406,36 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
     expect_equal(joint, of_sun + of_world + of_lamp + more * (apart - 1), bias=bias)
     rest, error = mean_of(joint - by_sun - by_world - by_lamp - (more * (apart - 1)))
     assert (np.abs(rest) <= STANDARD_ERRORS * error).all(), (rest, error)
+
+
+IMAGE_SUN = 0.01  # rad, its radius: seven pixels of the image across
+IMAGE_ERROR = 0.002  # of the flux of so few pixels, which Cycles interpolates
+
+
+@pytest.mark.parametrize("k", some(range(len(PAINTS)), 10))
+def test_the_mean_under_an_image_with_a_sun_is_the_cores(k: int) -> None:
+    """That of the sun as a light of its own, and that of the rest of the world."""
+    paint, rest, strength = PAINTS[k], 0.5, 3.0
+    probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
+    scene, view = probe.scene, view_of(probe)
+    random, lit = seeds.fresh(400 + k), None
+    while lit is None or lit[2] < 0.2:
+        lit = mirrored(paint, view, paint.tilt * random.uniform(0, 1), random)
+    radiance = rest + strength / (math.pi * IMAGE_SUN**2)
+    image = disc(lit, IMAGE_SUN, radiance, rest)
+    world_of(image)
+    irradiance = float(((image - rest) * solid_angles()).sum())
+    needs.fit(scene)
+    [slot] = core_lights()
+    assert slot.kind == core.LightKind.sky
+    expected = Expected(paint, view)
+    pixel_m2 = show_pixels_of(expected.pixel_of(slot, PIXELS**2), view)
+    needs.fit(scene)
+    of_sun = irradiance * expected.listed(slot, pixel_m2)
+    whole = of_sun + expected.world(rest)
+    scene.cycles.samples = samples_for(probe, LAMP_ERROR)
+    bias = LAMP_BIAS * whole + IMAGE_ERROR * of_sun
+    expect_equal(verify.render(scene), whole, bias=bias)
 
 
 # --- its parts ---------------------------------------------------------------------------------
