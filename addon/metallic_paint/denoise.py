@@ -23,7 +23,7 @@ from typing import Literal
 
 import bpy
 
-from .paint import material
+from .paint import animation, material
 from .scene import lights, needs, sun_lamp, wiring
 
 NAME = "Metallic Paint Denoise"
@@ -65,7 +65,8 @@ def outdated(scene: bpy.types.Scene) -> str:
     Quick enough for a panel: the lamps with a slot are those of the last fit.
     """
     if not is_set_up(scene):
-        return ""
+        missing = sun_lamp.is_missing(scene)
+        return f"A lamp of another scene shows the world's sun: press “{SET_UP}”" if missing else ""
     was = scene[_MARK]
     layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is None or not layer.use:
@@ -75,11 +76,13 @@ def outdated(scene: bpy.types.Scene) -> str:
         groups = set(was.get("groups", ())) & {group.name for group in layer.lightgroups}
         new += [
             lamp.name_full
-            for lamp in lights.in_slots()
+            for lamp in (*lights.in_slots(), *filter(sun_lamp.is_one, scene.objects))
             if (lamp.is_editable or lamp.lightgroup) and lamp.lightgroup not in groups
         ]
         if not sun_lamp.is_current(scene):
-            new.append("where the world's sun is")
+            new.append("the world's sun as it is now")
+        if not _is_ours(_tree(scene)):
+            new.append("the compositing")
     again = SET_UP
     return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
 
@@ -91,12 +94,11 @@ def why_not_remove(scene: bpy.types.Scene) -> str:
         return material.NO_CYCLES
     if not is_set_up(scene):
         return "Denoising that keeps the sparkles is not set up in this scene"
-    return _foreign_nodes(scene)
+    return _foreign_nodes(scene) if _is_ours(_tree(scene)) else ""
 
 
 def is_set_up(scene: bpy.types.Scene) -> bool:
-    tree = _tree(scene)
-    return tree is not None and _MARK in tree and _MARK in scene
+    return _MARK in scene
 
 
 def set_up(scene: bpy.types.Scene) -> list[str]:
@@ -191,7 +193,7 @@ def _change(
     slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
     changed = []
     if found.sky:
-        if reason := sun_lamp.why_not(scene):
+        if reason := sun_lamp.why_not(scene) or _why_sun_moves(scene.world):
             lost = f"Sparkles of {found.sky} are denoised: {reason}"
             changed.append(f"{lost}. A Sun lamp in its place keeps them.")
         else:
@@ -211,6 +213,17 @@ def _change(
     _compose(scene, layer, was)
     changed.append("Compositing denoises all but the sparkles.")
     return changed
+
+
+def _why_sun_moves(world: bpy.types.World) -> str:
+    """Keys or drivers on the way from the image to the world, which the lamp does not follow."""
+    for curves in animation.curves(world.node_tree):
+        for curve in curves:
+            name = curve.data_path.partition('"')[2].partition('"')[0]
+            node: bpy.types.Node | None = world.node_tree.nodes.get(name)
+            if node is not None and node.type == "MAPPING":
+                return "the world turns"
+    return ""
 
 
 def _change_back(scene: bpy.types.Scene, was: dict) -> None:
@@ -276,6 +289,10 @@ def _set_light_groups(
 
 def _tree(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
     return scene.compositing_node_group if _BLENDER_5 else scene.node_tree
+
+
+def _is_ours(tree: bpy.types.NodeTree | None) -> bool:
+    return tree is not None and _MARK in tree
 
 
 def _layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
@@ -357,8 +374,8 @@ def _in_cryptomatte(name: str) -> bool:
 
 def _take_down(scene: bpy.types.Scene, was: dict) -> None:
     tree = _tree(scene)
-    if tree is None or _MARK not in tree:
-        pass  # broke off before it was made
+    if not _is_ours(tree):
+        pass  # broke off before it was made, or the artist took another
     elif _BLENDER_5:
         scene.compositing_node_group = was.get("tree")
         if not tree.users:  # a copy of the scene may have it too
@@ -367,6 +384,7 @@ def _take_down(scene: bpy.types.Scene, was: dict) -> None:
         del tree[_MARK]
         tree.nodes.clear()
         passes = tree.nodes.new("CompositorNodeRLayers")
+        passes.scene = scene
         out = tree.nodes.new("CompositorNodeComposite")
         out.location.x = 300
         tree.links.new(passes.outputs["Image"], out.inputs["Image"])

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 class SCENE_OT_metallic_paint_denoise(bpy.types.Operator):
     """Set up compositing so that the sparkles' light passes by the denoiser and everything else \
-goes through it"""
+goes through it. The sun of an environment image becomes a lamp for this"""
 
     bl_idname = "scene.metallic_paint_denoise"
     bl_label = SET_UP
@@ -35,7 +35,7 @@ goes through it"""
 
 
 class SCENE_OT_metallic_paint_denoise_remove(bpy.types.Operator):
-    """Take compositing, passes and light groups back to what they were before"""
+    """Take compositing, passes, light groups and the world's sun back to what they were before"""
 
     bl_idname = "scene.metallic_paint_denoise_remove"
     bl_label = "Remove Sparkle Denoising"

@@ -162,6 +162,8 @@ def fill(scene: bpy.types.Scene) -> Report:
     without: dict[Placed, str] = {}
     lights = []
     for each in placed.lights(layers):
+        if sun_lamp.is_one(each.lamp):
+            continue  # which has the slot of the world's sun
         if why := why_not(each.lamp):
             without[each] = why
         else:
@@ -200,8 +202,6 @@ def why_not(light: bpy.types.Object) -> str:
     """Why a light can have no slot, whatever else there is; empty where it can."""
     if light.data.type not in carrier.KINDS:
         return f"lights of type {light.data.type} are not known"
-    if sun_lamp.is_one(light):
-        return "its sparkles are those of the world's sun"
     if isinstance(light.data, bpy.types.AreaLight):
         if light.data.cycles.is_portal:
             return "a portal is a window for the world's light"

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..paint import live, material
-from . import carrier, lights, placed, sky
+from . import carrier, lights, placed, sky, sun_lamp
 
 # Rendered objects that neither reflect nor emit, unless they are instancers.
 _NO_SHAPES = {"ARMATURE", "CAMERA", "EMPTY", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}
@@ -210,7 +210,7 @@ def _things(layers: list[bpy.types.ViewLayer]) -> list[bpy.types.Object]:
 
 
 def _lamps(things: list[bpy.types.Object]) -> list[bpy.types.Object]:
-    return [thing for thing in things if thing.type == "LIGHT"]
+    return [each for each in things if each.type == "LIGHT" and not sun_lamp.is_one(each)]
 
 
 def _shapes(things: list[bpy.types.Object]) -> list[bpy.types.Object]:

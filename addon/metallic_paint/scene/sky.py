@@ -73,7 +73,7 @@ def shown(world: bpy.types.World | None) -> tuple[bpy.types.Node, bpy.types.Node
         return None
     texture = source(background.inputs["Color"])
     if texture is not None and keeps_sun_out(texture):
-        texture = source(texture.inputs["Color"])
+        texture = source(texture.inputs[0]) if texture.inputs else None
     return None if texture is None or texture.mute else (background, texture)
 
 

@@ -2,8 +2,9 @@
 """The sun of an environment image as a lamp of its own, which can be in a light group of its own.
 
 Cycles has one light group for all light of a world. So a lamp shows the same image within the cone
-about the sun that sparkles, and there the world is dark but for the camera. A surface gets the same
-light from the same directions, and the slot stays that of the world's sun.
+about the sun that sparkles, and there the world is dark but for the camera. In a scene that has the
+lamp a surface gets the same light from the same directions, and the slot stays that of the world's
+sun.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from . import carrier, sky, wiring
 
 NAME = "Metallic Paint Sun"
 _MARK = sky.MARK  # of the lamp: whose sun; of the group in the world: that it is ours
-_STILL = 1e-3  # rad, that a sun may move before the cone is renewed: a twentieth of it
+_STILL = 1e-3  # rad, that a sun may move off the cone: a twentieth of its half-angle
 
 
 def is_one(lamp: bpy.types.Object) -> bool:
@@ -29,73 +30,94 @@ def is_one(lamp: bpy.types.Object) -> bool:
 def why_not(scene: bpy.types.Scene) -> str:
     """What keeps the sun that sky.find finds from a lamp, in words; empty where nothing does."""
     world = scene.world
-    if not world.is_editable:
-        return "the world is linked from another file"
-    background, texture = sky.shown(world)
-    if not isinstance(texture, bpy.types.ShaderNodeTexEnvironment):
+    if not world.is_editable or world.override_library:
+        return "the world is of another file"
+    parts = sky.shown(world)
+    if parts is None or not isinstance(parts[1], bpy.types.ShaderNodeTexEnvironment):
         return "Blender's sky shows its sun in a world alone"
-    if background.inputs["Strength"].is_linked:
+    if parts[0].inputs["Strength"].is_linked:
         return "nodes decide on the world's Strength"
+    if any(not layer.use_sky or getattr(layer, "world_override", None)
+           for layer in scene.view_layers if layer.use):  # fmt: skip
+        return "the view layer does not show the scene's world"
+    for other in bpy.data.scenes:
+        if other.world == world and other != scene and not _lamps(other):
+            return f"the scene {other.name} has the same world"
     return ""
 
 
 def is_current(scene: bpy.types.Scene) -> bool:
-    """Whether the sun that has a slot now has its lamp, if it can, and where it stands now."""
-    sun, lamp = sky.find(scene), _lamp(scene)
-    if lamp is None:
+    """Whether the sun that has a slot has its lamp, if it can have one, and all as it is now."""
+    sun, lamps, world = sky.find(scene), _lamps(scene), scene.world
+    if not lamps:
         sparkles = any(kind == carrier.SKY for kind, *_ in carrier.values())
-        return sun is None or not sparkles or bool(why_not(scene))
-    if sun is None or _mask(scene.world) is None:
+        return not is_missing(scene) and (sun is None or not sparkles or bool(why_not(scene)))
+    if sun is None or len(lamps) > 1 or lamps[0][_MARK] != world or not _is_dark(world):
         return False
-    texture: Any = sky.shown(scene.world)[1]
-    images = {getattr(each, "image", None) for each in lamp.data.node_tree.nodes}
-    return texture.image in images and _axis(lamp).angle(Vector(sun.direction)) < _STILL
+    [lamp] = lamps
+    texture: Any = sky.shown(world)[1]
+    tree = lamp.data.node_tree
+    turned = lamp.matrix_world.col[2].xyz.angle(Vector(sun.direction), math.pi)
+    return (
+        tree is not None
+        and texture.image in {getattr(each, "image", None) for each in tree.nodes}
+        and turned < _STILL
+        and not lamp.hide_render
+        and _visibility(world) == tuple(getattr(lamp, name) for name in _VISIBLE)
+    )
+
+
+def is_missing(scene: bpy.types.Scene) -> bool:
+    """Whether the scene's world is dark where the lamp of another scene or file shows its sun."""
+    return scene.world is not None and bool(_masks(scene.world)) and not _lamps(scene)
 
 
 def make(scene: bpy.types.Scene) -> bpy.types.Object:
-    """Where why_not has no reason; remove is its inverse."""
+    """The lamp in the scene, and the darkness in its world; where they are, they are renewed. For
+    a scene where why_not has no reason; remove is its inverse.
+    """
     world, sun = scene.world, sky.find(scene)
     background: bpy.types.Node
     texture: Any
     background, texture = sky.shown(world)
-    data: Any = bpy.data.lights.new(f"Sun of {world.name}", "SUN")
-    lamp = bpy.data.objects.new(data.name, data)
-    lamp[_MARK] = world
+    lamp = _of(world)
+    if lamp is None:
+        made = bpy.data.lights.new(f"Sun of {world.name}", "SUN")
+        lamp = bpy.data.objects.new(made.name, made)
+        lamp[_MARK] = world
+    if lamp.name not in scene.objects:
+        scene.collection.objects.link(lamp)
+    data: Any = lamp.data
     data.angle = 2 * sky.REACH
     # Cycles looks at a lamp the more often the stronger it is, whatever its nodes make of it.
     data.energy = sun.irradiance
     _show_image(data, world, background, texture)
+    lamp.rotation_mode = "XYZ"
     lamp.rotation_euler = Vector(sun.direction).to_track_quat("Z", "Y").to_euler()
     lamp.lock_rotation = (True, True, True)
-    for kind in ("diffuse", "glossy", "transmission"):
-        setattr(lamp, f"visible_{kind}", getattr(world.cycles_visibility, kind))
-    lamp.visible_volume_scatter = world.cycles_visibility.scatter
+    lamp.hide_render = False
+    for name, value in zip(_VISIBLE, _visibility(world), strict=True):
+        setattr(lamp, name, value)
     data.cycles.max_bounces = world.cycles.max_bounces
-    scene.collection.objects.link(lamp)
 
+    _light_up(world)
+    darkness = _darkness(sun.direction)
     mask = world.node_tree.nodes.new("ShaderNodeGroup")
-    mask.node_tree = _darkness(sun.direction)
+    mask.node_tree = darkness
     mask.location = background.location.x - 200, background.location.y - 200
-    world.node_tree.links.new(texture.outputs["Color"], mask.inputs["Color"])
-    world.node_tree.links.new(mask.outputs["Color"], background.inputs["Color"])
+    world.node_tree.links.new(texture.outputs[0], mask.inputs[0])
+    world.node_tree.links.new(mask.outputs[0], background.inputs["Color"])
+    for layer in scene.view_layers:
+        layer.update()  # is_current asks for the lamp's matrix
     return lamp
 
 
 def remove(scene: bpy.types.Scene, others: Collection[bpy.types.Scene]) -> None:
-    """Gives its sun to the world again, but for lamps and worlds that these other scenes show."""
+    """Gives its sun to the world again. `others` still need the lamps and worlds that they show."""
     kept = {each for other in others for each in (other.world, *other.objects)}
-    lamps = [each for each in scene.objects if is_one(each) and each.is_editable]
-    worlds = {scene.world, *(each[_MARK] for each in lamps)} - kept
-    for world in worlds:
-        if world is not None and (mask := _mask(world)) is not None:
-            tree, group = world.node_tree, mask.node_tree
-            if mask.inputs["Color"].is_linked:
-                shown = mask.inputs["Color"].links[0].from_socket
-                for link in list(mask.outputs["Color"].links):
-                    tree.links.new(shown, link.to_socket)
-            tree.nodes.remove(mask)
-            if not group.users:
-                bpy.data.node_groups.remove(group)
+    lamps = [each for each in _lamps(scene) if each.is_editable]
+    for world in {scene.world, *(each[_MARK] for each in lamps)} - kept - {None}:
+        _light_up(world)
     for lamp in set(lamps) - kept:
         data = lamp.data
         bpy.data.objects.remove(lamp)
@@ -103,23 +125,51 @@ def remove(scene: bpy.types.Scene, others: Collection[bpy.types.Scene]) -> None:
             bpy.data.lights.remove(data)
 
 
-def _lamp(scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Of the scene's world."""
-    lamps = (each for each in scene.objects if is_one(each) and each[_MARK] == scene.world)
-    return next(lamps, None)
+def _lamps(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    return [each for each in scene.objects if is_one(each)]
 
 
-def _axis(lamp: bpy.types.Object) -> Vector:
-    """Towards the sun."""
-    axis: Vector = lamp.rotation_euler.to_matrix().col[2]
-    return axis
+def _of(world: bpy.types.World) -> bpy.types.Object | None:
+    """The world's lamp, of whatever scene."""
+    lamps = (each for each in bpy.data.objects if is_one(each) and each[_MARK] == world)
+    return next((each for each in lamps if each.is_editable and each.type == "LIGHT"), None)
 
 
-def _mask(world: bpy.types.World) -> bpy.types.ShaderNodeGroup | None:
-    """The node that keeps the sun out of it, or None."""
-    if world.node_tree is None or not world.is_editable:
-        return None
-    return next(filter(sky.keeps_sun_out, world.node_tree.nodes), None)
+_VISIBLE = (
+    "visible_diffuse", "visible_glossy", "visible_transmission", "visible_volume_scatter"
+)  # fmt: skip
+
+
+def _visibility(world: bpy.types.World) -> tuple[bool, ...]:
+    to = world.cycles_visibility
+    return to.diffuse, to.glossy, to.transmission, to.scatter
+
+
+def _masks(world: bpy.types.World) -> list[bpy.types.Node]:
+    """The nodes that keep the sun out of it."""
+    return list(filter(sky.keeps_sun_out, world.node_tree.nodes)) if world.node_tree else []
+
+
+def _is_dark(world: bpy.types.World) -> bool:
+    """Whether one of these decides, and no other."""
+    masks, parts = _masks(world), sky.shown(world)
+    used = parts and sky.source(parts[0].inputs["Color"])
+    return len(masks) == 1 and used == masks[0] and not masks[0].mute
+
+
+def _light_up(world: bpy.types.World) -> None:
+    """Takes what keeps the sun out of a world out of it."""
+    if not world.is_editable:
+        return
+    for mask in _masks(world):
+        tree: Any = mask.id_data
+        if mask.inputs and mask.outputs and mask.inputs[0].is_linked:
+            shown = mask.inputs[0].links[0].from_socket
+            for link in list(mask.outputs[0].links):
+                tree.links.new(shown, link.to_socket)
+        tree.nodes.remove(mask)
+    for group in [each for each in bpy.data.node_groups if _MARK in each and not each.users]:
+        bpy.data.node_groups.remove(group)
 
 
 def _show_image(
@@ -133,8 +183,12 @@ def _show_image(
     """
     if data.node_tree is None:
         data.use_nodes = True  # Blender 4.5
-    tree = data.node_tree
-    emission = tree.nodes["Emission"]
+    tree: Any = data.node_tree
+    tree.animation_data_clear()
+    tree.nodes.clear()
+    emission = tree.nodes.new("ShaderNodeEmission")
+    out = tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(emission.outputs[0], out.inputs[0])
     shows = tree.nodes.new("ShaderNodeTexEnvironment")
     shows.image, shows.interpolation = texture.image, texture.interpolation
     towards = _towards(tree)
