@@ -192,6 +192,7 @@ def _change(
 ) -> list[str]:
     slots = tuple(dict.fromkeys(found.slots))  # one may be there many times
     changed = []
+    _give_sun_back(scene)  # to a world that lacks it, as one from another file may
     if found.sky:
         if reason := sun_lamp.why_not(scene) or _why_sun_moves(scene.world):
             lost = f"Sparkles of {found.sky} are denoised: {reason}"
@@ -215,6 +216,10 @@ def _change(
     return changed
 
 
+def _give_sun_back(scene: bpy.types.Scene) -> None:
+    sun_lamp.remove(scene, [each for each in bpy.data.scenes if each != scene and is_set_up(each)])
+
+
 def _why_sun_moves(world: bpy.types.World) -> str:
     """Keys or drivers on the way from the image to the world, which the lamp does not follow."""
     for curves in animation.curves(world.node_tree):
@@ -229,7 +234,7 @@ def _why_sun_moves(world: bpy.types.World) -> str:
 def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
-    sun_lamp.remove(scene, [each for each in bpy.data.scenes if each != scene and is_set_up(each)])
+    _give_sun_back(scene)
     layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
     if layer is not None:
         for name in _PASSES:

@@ -647,6 +647,25 @@ def test_a_sun_that_other_scenes_show_or_that_turns_stays_in_its_world() -> None
     assert "A lamp of another scene shows the world's sun" in denoise.outdated(other)
 
 
+def test_a_world_that_came_without_its_sun_is_told_of_and_mended(registered: None) -> None:
+    scene = build()
+    put_sun_into_world(scene)
+    denoise.set_up(scene)
+    world = scene.world
+    denoise.remove(scene)
+    mask = world.node_tree.nodes.new("ShaderNodeGroup")  # as an append brings it
+    mask.node_tree = sun_lamp._darkness((0, 0, 1))
+    world.node_tree.links.new(world.node_tree.nodes["Image"].outputs[0], mask.inputs[0])
+    world.node_tree.links.new(mask.outputs[0], world.node_tree.nodes["Background"].inputs[0])
+    assert "A lamp of another scene shows the world's sun: press" in denoise.outdated(scene)
+    for i in range(7):  # with the area light all slots are in use: the sun has none
+        add_lamp("POINT", f"Point {i}", location=(0, i, 3))
+    denoise.set_up(scene)
+    assert not masks(scene)
+    assert not suns()
+    assert denoise.outdated(scene) == ""
+
+
 def test_a_sun_that_cannot_be_a_lamp_is_told_of() -> None:
     scene = build()
     put_sun_into_world(scene)

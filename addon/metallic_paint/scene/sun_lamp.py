@@ -132,7 +132,7 @@ def _lamps(scene: bpy.types.Scene) -> list[bpy.types.Object]:
 def _of(world: bpy.types.World) -> bpy.types.Object | None:
     """The world's lamp, of whatever scene."""
     lamps = (each for each in bpy.data.objects if is_one(each) and each[_MARK] == world)
-    return next((each for each in lamps if each.is_editable and each.type == "LIGHT"), None)
+    return next((each for each in lamps if each.is_editable and each.data.type == "SUN"), None)
 
 
 _VISIBLE = (
