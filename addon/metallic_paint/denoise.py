@@ -23,7 +23,7 @@ from typing import Literal
 
 import bpy
 
-from .paint import animation, material
+from .paint import material
 from .scene import lights, needs, sun_lamp, wiring
 
 NAME = "Metallic Paint Denoise"
@@ -194,7 +194,7 @@ def _change(
     changed = []
     _give_sun_back(scene)  # to a world that lacks it, as one from another file may
     if found.sky:
-        if reason := sun_lamp.why_not(scene) or _why_sun_moves(scene.world):
+        if reason := sun_lamp.why_not(scene):
             lost = f"Sparkles of {found.sky} are denoised: {reason}"
             changed.append(f"{lost}. A Sun lamp in its place keeps them.")
         else:
@@ -218,17 +218,6 @@ def _change(
 
 def _give_sun_back(scene: bpy.types.Scene) -> None:
     sun_lamp.remove(scene, [each for each in bpy.data.scenes if each != scene and is_set_up(each)])
-
-
-def _why_sun_moves(world: bpy.types.World) -> str:
-    """Keys or drivers on the way from the image to the world, which the lamp does not follow."""
-    for curves in animation.curves(world.node_tree):
-        for curve in curves:
-            name = curve.data_path.partition('"')[2].partition('"')[0]
-            node: bpy.types.Node | None = world.node_tree.nodes.get(name)
-            if node is not None and node.type == "MAPPING":
-                return "the world turns"
-    return ""
 
 
 def _change_back(scene: bpy.types.Scene, was: dict) -> None:

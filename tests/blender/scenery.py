@@ -68,9 +68,14 @@ def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
     return linked
 
 
+def elevations() -> np.ndarray:
+    """Of the image's rows, lowest first, (HEIGHT, 1)."""
+    return math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
+
+
 def directions() -> np.ndarray:
     """Of the image's pixels, lowest row first."""
-    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
+    up = elevations()
     turn = -2 * math.pi * ((np.arange(WIDTH) + 0.5) / WIDTH - 0.5)[None, :]
     return np.stack(
         [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], -1
@@ -79,11 +84,10 @@ def directions() -> np.ndarray:
 
 def solid_angles() -> np.ndarray:
     """Of the pixels of each row, (HEIGHT, 1)."""
-    up = math.pi * ((np.arange(HEIGHT) + 0.5) / HEIGHT - 0.5)[:, None]
-    return 2 * math.pi / WIDTH * math.pi / HEIGHT * np.cos(up)
+    return 2 * math.pi / WIDTH * math.pi / HEIGHT * np.cos(elevations())
 
 
-def disc(towards: np.ndarray, radius: float, sun: float, rest: float) -> np.ndarray:
+def disc(towards: np.ndarray, radius: float, sun: float, rest: float | np.ndarray) -> np.ndarray:
     near = directions() @ (towards / np.linalg.norm(towards)) > math.cos(radius)
     return np.where(near, sun, rest).astype(np.float32)
 

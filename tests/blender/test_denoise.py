@@ -12,6 +12,7 @@ import dataclasses
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import addon_utils
 import bpy
@@ -264,6 +265,20 @@ def test_without_the_add_on_of_cycles_nothing_is_set_up_or_taken_back(registered
         addon_utils.enable("cycles")
 
 
+def set_up_until(
+    scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch, module: ModuleType, step: str
+) -> None:
+    """A set-up that breaks off at a function of the module."""
+
+    def fail(*_: object) -> None:
+        raise KeyError(step)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, step, fail)
+        with pytest.raises(KeyError, match=step):
+            denoise.set_up(scene)
+
+
 @pytest.mark.parametrize("step", ["_compose", "node_group", "_mix", "_painted", "_lay_out"])
 def test_a_set_up_that_breaks_off_changes_nothing(
     monkeypatch: pytest.MonkeyPatch, step: str
@@ -275,13 +290,7 @@ def test_a_set_up_that_breaks_off_changes_nothing(
     add_plain_compositing(scene)
     before = state(scene)
 
-    def fail(*_: object) -> None:
-        raise KeyError(step)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(denoise, step, fail)
-        with pytest.raises(KeyError, match=step):
-            denoise.set_up(scene)
+    set_up_until(scene, monkeypatch, denoise, step)
     assert state(scene) == before
     assert denoise.set_up(scene)
 
@@ -612,13 +621,7 @@ def test_a_lamp_that_is_not_done_leaves_nothing(monkeypatch: pytest.MonkeyPatch,
     needs.fit(scene)
     before, lamps = state(scene), len(bpy.data.lights)
 
-    def fail(*_: object) -> None:
-        raise KeyError(step)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(sun_lamp, step, fail)
-        with pytest.raises(KeyError, match=step):
-            denoise.set_up(scene)
+    set_up_until(scene, monkeypatch, sun_lamp, step)
     assert state(scene) == before
     assert len(bpy.data.lights) == lamps
     assert not masks(scene)
@@ -641,6 +644,7 @@ def test_a_sun_that_other_scenes_show_or_that_turns_stays_in_its_world() -> None
     tree.links.new(where.outputs["Generated"], turn.inputs["Vector"])
     turn.inputs["Rotation"].keyframe_insert("default_value", frame=1)
     assert "are denoised: the world turns. A Sun lamp" in "\n".join(denoise.set_up(scene))
+    assert denoise.outdated(scene) == ""  # one more press would not help
     assert not suns()
     assert not masks(scene)
     tree.animation_data_clear()

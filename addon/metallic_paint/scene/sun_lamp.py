@@ -16,6 +16,7 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
+from ..paint import animation
 from . import carrier, sky, wiring
 
 NAME = "Metallic Paint Sun"
@@ -37,6 +38,8 @@ def why_not(scene: bpy.types.Scene) -> str:
         return "Blender's sky shows its sun in a world alone"
     if parts[0].inputs["Strength"].is_linked:
         return "nodes decide on the world's Strength"
+    if _turns(world.node_tree):
+        return "the world turns"
     if any(not layer.use_sky or getattr(layer, "world_override", None)
            for layer in scene.view_layers if layer.use):  # fmt: skip
         return "the view layer does not show the scene's world"
@@ -44,6 +47,13 @@ def why_not(scene: bpy.types.Scene) -> str:
         if other.world == world and other != scene and not _lamps(other):
             return f"the scene {other.name} has the same world"
     return ""
+
+
+def _turns(tree: bpy.types.NodeTree) -> bool:
+    """Whether keys or drivers turn the image, which the lamp does not follow."""
+    paths = {curve.data_path for curves in animation.curves(tree) for curve in curves}
+    mappings = (each for each in tree.nodes if isinstance(each, bpy.types.ShaderNodeMapping))
+    return any(path.startswith(each.path_from_id()) for each in mappings for path in paths)
 
 
 def is_current(scene: bpy.types.Scene) -> bool:
