@@ -430,7 +430,7 @@ DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface 
   return shares;
 }
 
-#define LEAN 0.19
+#define LEAN 0.087
 #define MOST_EXPONENT 1e4
 
 struct Returning {
@@ -458,8 +458,8 @@ Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float
 {
   color thickness = layer.hiding * layer.thickness_in_flakes;
   float over_flakes = thickness[0] + thickness[1] + thickness[2];
-  float narrow = 1.0 + 0.115 * over_flakes;
-  float exponent = 4.8 * (narrow * narrow);
+  float narrow = 1.0 + 0.0285 * over_flakes;
+  float exponent = 8.9 * (narrow * narrow);
   float steep = (1.0 - cos_in) * (1.0 + cos_in) / (cos_in * cos_in);
   float beyond = 1.0 - surface.cone;
   float apart = sqrt(0.71 * surface.cone / max(beyond, 1e-3) + steep);
@@ -478,11 +478,13 @@ Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float
     back.far = color(back.far[0]);
     back.near = color(back.near[0]);
   }
-  back.lobe = 2.1 / ((exponent + 2.0) * (1.0 + 0.42 * over_flakes)) * lambertian_escape(surface) * axis;
+  back.lobe = 2.83 / ((exponent + 2.0) * (1.0 + 0.28 * over_flakes)) * lambertian_escape(surface) * axis;
   back.above = 1.0 - 0.5 * exponential(-0.93 * (exponent + 1.0) * (axis * axis));
   back.exponent = min(exponent, MOST_EXPONENT);
   return back;
 }
+
+#define PIGMENT_BACK 2.0
 
 struct MixtureShares {
   float whole;
@@ -548,8 +550,18 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
       less = clamp((kept - flakes.single.correlated[c]) / left, 0.0, 1.0);
     float free = back.free[c];
     float far = back.far[c];
-    float returned = substrate * free * max(back.near[c] - far, 0.0) * (back.lobe * back.above);
-    float more = substrate * diffused.straight * max(far - free, 0.0) + returned;
+    float near = back.near[c];
+    float about_view = substrate * free * max(near - far, 0.0);
+    float spread = substrate * diffused.straight * max(far - free, 0.0);
+    if (rayleigh > 0.0) {
+      float half_free = sqrt(free);
+      float half_far = sqrt(far);
+      float sent = PIGMENT_BACK * rayleigh * half_free;
+      about_view = about_view + sent * max(sqrt(near) - half_far, 0.0);
+      spread = spread + sent * lambertian * max(half_far - half_free, 0.0);
+    }
+    float returned = about_view * (back.lobe * back.above);
+    float more = spread + returned;
     shares.glossy = shares.glossy * less;
     shares.whole = min(shares.whole * less + more * diffused.lost, 1.0);
     shares.returned = min(returned, max(shares.whole - shares.glossy, 0.0));

@@ -110,8 +110,8 @@ discs with any number of mirrorings (`core/reference/disc_walk.h`). Coverages of
 L* of a white light. Single: the error of single flakes over the whole. Rest: that of all else, of
 the model and of the random walk. What is traced worse than 4 % (noise) is left out.
 
-On the light's side the substrate is seen through the holes that its light comes by, which the walk
-does not know; nor does the mixture for what pigment scatters back, where it is worst.
+On the light's side substrate and pigment are seen through the holes that their light comes by,
+which the walk does not know.
 
 {finite}
 
