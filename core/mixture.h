@@ -521,7 +521,7 @@ DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>:
 // tests/fits/finite_flakes.cpp). The whole paint is then within 5 % in 0.81 of 1000 fresh cases.
 // Fitted to exp(c k) alone, the lobe is wider and lower and the paint within 5 % in 0.76 of them;
 // at 15 degrees from its light it is then 4 % too dark in the median. Of exp(c k) the logarithm
-// errs by a root mean square of 0.11 over all lights, by 0.38 with k = 0 and by 0.16 with the best
+// errs by a root mean square of 0.12 over all lights, by 0.39 with k = 0 and by 0.17 with the best
 // diffuse lobe (docs/fits.md).
 inline constexpr double kLean = 0.087;
 // Narrower than any lamp.
