@@ -50,7 +50,7 @@ struct Ramp {
 };
 
 // z of a, per slant 1 - cos(theta_p'): what flakes send back more, less what is absorbed. c is the
-// flakes' coverage as hot_spot.h has it. 1.3 and 1.6 are fitted to finite flakes, 390 paints of
+// flakes' coverage as hot_spot.h has it. 1.1 and 1.5 are fitted to finite flakes, 390 paints of
 // indices from 1.4 to 1.6 and coverages from 0.1 to 3, and 1/4 keeps dense paints in bounds. The
 // mean relative error of the whole paint is 3.1 % there; without the first number it would be
 // 4.2 %, without the second 3.4 %.
@@ -60,7 +60,7 @@ Rgb<T> by_slant(const Layer<T>& layer) {
   const Rgb<T> absorption =
       map(layer.binder_depth, [&](T depth) { return max(depth - rayleigh, T(0)); });
   const Rgb<T> c = layer.shared_blocking;
-  return map(c, [](T x) { return T(1.3) * x / (1 + x * T(0.25)); }) - absorption * T(1.6);
+  return map(c, [](T x) { return T(1.1) * x / (1 + x * T(0.25)); }) - absorption * T(1.5);
 }
 
 // h at a cosine outside. a = 1/(1 - z + z^2/2) is e^z for small z, and lies between 0 and 2.

@@ -12,7 +12,7 @@ color by_slant(Layer layer)
 {
   color absorption = max(layer.binder_depth - color(layer.rayleigh_depth), color(0.0));
   color c = layer.shared_blocking;
-  return 1.3 * c / (color(1.0) + c * 0.25) - absorption * 1.6;
+  return 1.1 * c / (color(1.0) + c * 0.25) - absorption * 1.5;
 }
 
 color let_in(float cosine, float eta, color slanted)

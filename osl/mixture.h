@@ -13,7 +13,9 @@
 #include "layer.h"
 
 #define MIXTURE_POINTS 3
-#define FORGETTING 20.0
+#define FORGETTING 400.0
+#define EDGE 0.185
+#define EDGE_ABSORPTION 1.25
 #define FEW_FLAKES 1e-3
 #define NARROW_TILT 0.25
 #define LONE_NODE 0.39346934
@@ -124,6 +126,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
   int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
   float pair[2] = {PAIR_NODE, PAIR_OTHER};
+  float arc_node[2] = {0.319658371, 0.897008296};
+  float arc_weight[2] = {1.37527767, 0.624722325};
   float start = 0.0;
   if (density.kind == ORIENTATION_BECKMANN)
     start = 1.0;
@@ -178,13 +182,15 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         float cos_phi = 0.707106781;
         if (j == 1)
           cos_phi = -cos_phi;
+        float arc = 1.0;
         if (limit < HALF_PI) {
-          float half_sine = sine(limit * pair[j]);
+          float half_sine = sine(limit * arc_node[j]);
           cos_phi = 1.0 - 2.0 * half_sine * half_sine;
+          arc = arc_weight[j];
         }
         float cos_alpha = clamp(p + q * cos_phi, 0.0, 1.0);
         float cos_exit = min(a + b * cos_phi, 1.0);
-        float share = ring * cos_alpha;
+        float share = ring * arc * cos_alpha;
         float escaping = share * (escape_over_cosine(cos_exit, layer.eta) * cos_exit);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
@@ -249,6 +255,8 @@ struct FlakeRates {
   color outside;
   color loss;
   SingleShares single;
+  float out;
+  float in_common;
 };
 
 FlakeRates no_flakes()
@@ -260,6 +268,8 @@ FlakeRates no_flakes()
   rates.loss = color(0.0);
   rates.single.independent = color(0.0);
   rates.single.correlated = color(0.0);
+  rates.out = 0.0;
+  rates.in_common = 0.0;
   return rates;
 }
 
@@ -362,6 +372,8 @@ void add_flakes(output FlakeRates rates, Layer layer, int species, float library
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
+  rates.out = rates.out + flux * mirrored.escaping;
+  rates.in_common = rates.in_common + flux * mirrored.in_common;
   SingleShares single = mean_single(layer, coating, library, mirrored, slant_view);
   rates.single.independent = rates.single.independent + single.independent * (flux * mirrored.escaping);
   rates.single.correlated = rates.single.correlated + single.correlated * (flux * mirrored.escaping);
@@ -430,7 +442,7 @@ DiffuseShares diffuse_channel(DiffuseRates diffuse_light, int c, DiffuseSurface 
   return shares;
 }
 
-#define LEAN 0.087
+#define LEAN 0.09
 #define MOST_EXPONENT 1e4
 
 struct Returning {
@@ -458,8 +470,8 @@ Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float
 {
   color thickness = layer.hiding * layer.thickness_in_flakes;
   float over_flakes = thickness[0] + thickness[1] + thickness[2];
-  float narrow = 1.0 + 0.0285 * over_flakes;
-  float exponent = 8.9 * (narrow * narrow);
+  float narrow = 1.0 + 0.03 * over_flakes;
+  float exponent = 8.6 * (narrow * narrow);
   float steep = (1.0 - cos_in) * (1.0 + cos_in) / (cos_in * cos_in);
   float beyond = 1.0 - surface.cone;
   float apart = sqrt(0.71 * surface.cone / max(beyond, 1e-3) + steep);
@@ -478,13 +490,16 @@ Returning returning(Layer layer, DiffuseSurface surface, color slant_view, float
     back.far = color(back.far[0]);
     back.near = color(back.near[0]);
   }
-  back.lobe = 2.83 / ((exponent + 2.0) * (1.0 + 0.28 * over_flakes)) * lambertian_escape(surface) * axis;
+  back.lobe = 2.6 / ((exponent + 2.0) * (1.0 + 0.27 * over_flakes)) * lambertian_escape(surface) * axis;
   back.above = 1.0 - 0.5 * exponential(-0.93 * (exponent + 1.0) * (axis * axis));
   back.exponent = min(exponent, MOST_EXPONENT);
   return back;
 }
 
 #define PIGMENT_BACK 2.0
+#define HOLES 0.67
+#define CROWDED 0.6
+#define BETWEEN_FLAKES 1.25
 
 struct MixtureShares {
   float whole;
@@ -514,10 +529,14 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
   }
   float outside = max(1.0 - escape - inside, 0.0);
   float unpigmented = 0.0;
+  float twice = met_once * (1.0 - (mirror + loss) * met_once / 2.0);
   if (about.mirrored > 0.0) {
-    float twice = met_once * (1.0 - (mirror + loss) * met_once / 2.0);
+    float edge = min(EDGE / max(escape * (1.0 + EDGE_ABSORPTION * absorption), 1e-3), 1.0);
+    inside = inside + outside * edge;
+    outside = outside - outside * edge;
     float once = min(mirror * twice / about.mirrored, 1.0);
-    float turns = FORGETTING * (1.0 - mean_cosine(diffuse_light));
+    float turn = 1.0 - mean_cosine(diffuse_light);
+    float turns = FORGETTING * (turn * sqrt(turn));
     float forgotten = turns / (1.0 + turns) * (1.0 - once);
     escape = escape + (lambertian - escape) * forgotten;
     inside = inside - inside * forgotten;
@@ -537,17 +556,40 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
   float down = (about.passed + about.mirrored * outside * diffused.trapped_down) * series;
   float albedo = upwards + substrate * down * diffused.below;
 
+  float from_substrate = substrate * exponential(-(mirror + loss)) * diffused.below;
+  float twice_clear = twice;
+  if (pigment_back > 0.0) {
+    float depth = mirror + loss + pigment_back / cos_in;
+    float met_clear = mean_transmittance(depth);
+    twice_clear = met_clear * (1.0 - depth * met_clear / 2.0);
+  }
+  float first = mirror * met_once;
+  float by_flake = flake_mirror * met_once;
+  float own = min(flakes.escaping[c] * twice_clear, by_flake);
+  float out = clamp((albedo - from_substrate - own) / max(first - own, 1e-9), 0.0, 1.0);
+  float glossy_out = clamp((about.mirrored * unpigmented * series - own) / max(by_flake - own, 1e-9), 0.0, out);
   float single = flakes.single.independent[c];
+  float left = max(by_flake - single, 0.0);
+  float others = from_substrate + (first - by_flake) * out;
   MixtureShares shares;
-  shares.whole = max(albedo - single, 0.0);
-  shares.glossy = clamp(about.mirrored * unpigmented * series - single, 0.0, shares.whole);
+  shares.whole = others + left * out;
+  shares.glossy = left * glossy_out;
   shares.returned = 0.0;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-    float kept = 1.0 - loss * met_once;
-    float left = kept - single;
-    float less = 1.0;
-    if (left > 0.0)
-      less = clamp((kept - flakes.single.correlated[c]) / left, 0.0, 1.0);
+    float correlated = flakes.single.correlated[c];
+    float left_now = max(by_flake - correlated, 0.0);
+    float out_now = out;
+    if (left > 0.0 && single > 0.0) {
+      float rise = clamp(correlated * left / max(single * left_now, 1e-20), 1.0, 1e6);
+      float in_common = flakes.in_common / max(flakes.out, 1e-20);
+      float power = HOLES * in_common / (1.0 + CROWDED * layer.shared_blocking[c]) -
+                    BETWEEN_FLAKES * (absorption / (1.0 + absorption));
+      float odds = exponential(power * logarithm(rise));
+      out_now = out * odds / ((1.0 - out) + out * odds);
+    }
+    float glossy = left_now * glossy_out;
+    if (out > 0.0)
+      glossy = glossy * (out_now / out);
     float free = back.free[c];
     float far = back.far[c];
     float near = back.near[c];
@@ -562,14 +604,14 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
     }
     float returned = about_view * (back.lobe * back.above);
     float more = spread + returned;
-    shares.glossy = shares.glossy * less;
-    shares.whole = min(shares.whole * less + more * diffused.lost, 1.0);
+    shares.whole = min(others + left_now * out_now + more * diffused.lost, 1.0);
+    shares.glossy = min(glossy, shares.whole);
     shares.returned = min(returned, max(shares.whole - shares.glossy, 0.0));
   }
   return shares;
 }
 
-#define STRETCH 1.75
+#define STRETCH 1.65
 #define LEAST_ROUGHNESS 0.005
 
 float glossy_roughness(DiffuseRates diffuse_light, float eta)
