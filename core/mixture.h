@@ -677,16 +677,18 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   const T glossy_out = clamp(
       (about.mirrored * unpigmented * series - own) / max(by_flake - own, T(1e-9)), T(0), out);
   const T single = flakes.single.independent.*c;
-  const T left = max(by_flake - single, T(0));
+  // Below 0 where r_p at the view's angle is less than at the flakes' own: then all else has less.
+  const T left = by_flake - single;
   const T others = from_substrate + (first - by_flake) * out;
-  if (layer.depth_model != DepthModel::correlated)
-    return {others + left * out, left * glossy_out, T(0)};
+  if (layer.depth_model != DepthModel::correlated) {
+    return {max(others + (left > 0 ? left * out : left), T(0)), max(left, T(0)) * glossy_out, T(0)};
+  }
 
   // Correlated, E leaves less, but what it leaves keeps to the holes too: the odds of `out` rise
   // with those of E, to the power of kHoles G less what makes light stay between two flakes, their
   // coverage and absorption on the longer way. A lossless paint's odds are infinite already.
   const T correlated = flakes.single.correlated.*c;
-  const T left_now = max(by_flake - correlated, T(0));
+  const T left_now = by_flake - correlated;
   T out_now = out;
   if (left > 0 && single > 0) {
     const T rise = clamp(correlated * left / max(single * left_now, T(1e-20)), T(1), T(1e6));
@@ -696,7 +698,7 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
     const T odds = exponential(power * logarithm(rise));
     out_now = out * odds / ((1 - out) + out * odds);
   }
-  T glossy = left_now * glossy_out;
+  T glossy = max(left_now, T(0)) * glossy_out;
   if (out > 0) glossy = glossy * (out_now / out);
   // What is sent out besides was to meet flakes or the surface, and in part to be lost.
   const T free = back.free.*c, far = back.far.*c, near = back.near.*c;
@@ -710,7 +712,8 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   }
   const T returned = about_view * (back.lobe * back.above);
   const T more = spread + returned;
-  const T sum = min(others + left_now * out_now + more * diffused.lost, T(1));
+  const T rest = others + (left_now > 0 ? left_now * out_now : left_now);
+  const T sum = clamp(rest + more * diffused.lost, T(0), T(1));
   glossy = min(glossy, sum);
   return {sum, glossy, min(returned, max(sum - glossy, T(0)))};
 }

@@ -569,15 +569,18 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
   float out = clamp((albedo - from_substrate - own) / max(first - own, 1e-9), 0.0, 1.0);
   float glossy_out = clamp((about.mirrored * unpigmented * series - own) / max(by_flake - own, 1e-9), 0.0, out);
   float single = flakes.single.independent[c];
-  float left = max(by_flake - single, 0.0);
+  float left = by_flake - single;
   float others = from_substrate + (first - by_flake) * out;
   MixtureShares shares;
-  shares.whole = others + left * out;
-  shares.glossy = left * glossy_out;
+  float rest = others + left;
+  if (left > 0.0)
+    rest = others + left * out;
+  shares.whole = max(rest, 0.0);
+  shares.glossy = max(left, 0.0) * glossy_out;
   shares.returned = 0.0;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
     float correlated = flakes.single.correlated[c];
-    float left_now = max(by_flake - correlated, 0.0);
+    float left_now = by_flake - correlated;
     float out_now = out;
     if (left > 0.0 && single > 0.0) {
       float rise = clamp(correlated * left / max(single * left_now, 1e-20), 1.0, 1e6);
@@ -587,7 +590,7 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
       float odds = exponential(power * logarithm(rise));
       out_now = out * odds / ((1.0 - out) + out * odds);
     }
-    float glossy = left_now * glossy_out;
+    float glossy = max(left_now, 0.0) * glossy_out;
     if (out > 0.0)
       glossy = glossy * (out_now / out);
     float free = back.free[c];
@@ -604,7 +607,10 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
     }
     float returned = about_view * (back.lobe * back.above);
     float more = spread + returned;
-    shares.whole = min(others + left_now * out_now + more * diffused.lost, 1.0);
+    rest = others + left_now;
+    if (left_now > 0.0)
+      rest = others + left_now * out_now;
+    shares.whole = clamp(rest + more * diffused.lost, 0.0, 1.0);
     shares.glossy = min(glossy, shares.whole);
     shares.returned = min(returned, max(shares.whole - shares.glossy, 0.0));
   }

@@ -22,7 +22,9 @@ HEADER = ROOT / "core" / "mixture.h"
 
 # What stands in core/mixture.h, and what to try in its place.
 TRIED = {
-    "kForgetting = 20;": [f"kForgetting = {x};" for x in (0, 5, 10, 15, 30, 40, 80)],
+    "kForgetting = 400;": [f"kForgetting = {x};" for x in (0, 100, 200, 800, 1600)],
+    "kEdge = 0.185,": [f"kEdge = {x}," for x in (0, 0.12, 0.15, 0.22, 0.26)],
+    "kEdgeAbsorption = 1.25;": [f"kEdgeAbsorption = {x};" for x in (0, 2.5)],
     "2 * sqrt(z2) / (1 + 2 * z2)": [
         f"T({a}) * sqrt(z2) / (1 + T({b}) * z2)" for a, b in ((1.5, 2), (1.9, 1.2), (2.5, 2))
     ],

@@ -216,21 +216,6 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   errors.see(std::string("E as M estimates it, correlated, ") +
                  (silica ? "with silica" : "without silica"),
              both.single.correlated * entered - single_scattering(shared, seen.cos_view));
-  // What that estimate takes too much from a dark albedo, where the result is clamped at 0.
-  FlakeRates<double> none = rates;
-  none.single = {};
-  double excess = 0;
-  for (auto channel : {&Rgb<double>::x, &Rgb<double>::y, &Rgb<double>::z}) {
-    const double rayleigh = layer.rayleigh_depth;
-    const double absorption = std::max(layer.binder_depth.*channel - rayleigh, 0.0);
-    const DiffuseShares<double> diffused =
-        diffuse_channel(diffuse_light, channel, surface, absorption, rayleigh, 0.0);
-    const double albedo = mixture_channel(layer, none, diffuse_light, diffused, {}, channel,
-                                          surface, absorption, rayleigh, 0.0, cos_in)
-                              .whole;
-    excess = std::max(excess, rates.single.independent.*channel - albedo);
-  }
-  errors.see("E above the albedo over black, clamped", excess);
 }
 
 // A lossless paint in binders thinner than those of the stated range.
