@@ -40,8 +40,8 @@
 //   5. Correlated, more of what substrate and pigment scatter straight back gets out (returning),
 //      and less of it comes again.
 //
-// Errors against the random walk over 40 seeds, which tests/fits/mixture_error.cpp measures
-// (docs/fits.md):
+// Errors against the random walk over 40 seeds, which tests/fits/mixture_error.cpp measures, and
+// correlated, hot_spot_fit.cpp beside it (docs/fits.md):
 //
 //                                              largest   99 %    95 %    median
 //   M, flakes of colours of their own (2400)     0.034   0.018   0.008   0.0006
@@ -50,6 +50,9 @@
 //   r_s + E + M - 1, lossless paints (800)       0.006   0.004   0.002   0.0003
 //   likewise, pearls on mica (800)               0.005   0.003   0.002   0.0002
 //   likewise, pearls on silica (800)             0.013   0.008   0.004   0.0004
+//   lossless paints, correlated (1000)           0.028   0.017   0.006   0.0004
+//   likewise, pearls on mica (1000)              0.015   0.006   0.003   0.0002
+//   likewise, pearls on silica (1000)            0.021   0.014   0.007   0.0005
 //   L* by angle, single flakes and M (200)        17      7.5     3.3     0.46
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
@@ -58,7 +61,7 @@
 // the largest error is 0.013 in the median. Where M is above 0.02, 95 % are within 10 % of M, with
 // silica within 15 %, the median within 3 %. Pearls on silica err most because their r_p, which is
 // taken at one angle for each kind of light, turns over with the angle. Lossless paints are within
-// 0.01 of 1 for indices from 1.05 to 1.33, within 0.03 for 0.6 to 1; correlated see docs/fits.md.
+// 0.01 of 1 for indices from 1.05 to 1.33, within 0.05 for 0.6 to 1.
 //
 // The error in L* is the root mean square over 13 directions, under three slants of light, over
 // black. Its mean is 0.95; with the diffuse lobe for all of M it would be 2.7, and 12 in 95 %.
@@ -184,17 +187,17 @@ inline constexpr double kNarrowTilt = 0.25;
 // The one point, at the deviate 1 - 1/e of the piece: exact for what is linear in beta^2.
 inline constexpr double kLoneNode = 0.393469340287366576396, kLoneWeight = 0.824360635350064073424;
 
-// Of an arc over the azimuth: two points, as of Gauss in x, where the azimuth is x + 0.65 x (1 - x)
-// of the limit. At the limit the surface begins to let light out, as a root; a = 1 would be exact
-// for roots and 0 for smooth functions. Both keep lines exact. With a = 0 E is estimated up to 2 %
-// too bright (one species, tilts of Beckmann from 0.05 to 0.4, views at 45 and 80 degrees).
+// Of an arc over the azimuth: two points, as of Gauss in x, where the azimuth is x + a x (1 - x) of
+// the limit, a = 0.65. At the limit the surface begins to let light out, as a root; a = 1 would be
+// exact for roots and 0 for smooth functions. Both keep lines exact. With a = 0 E is estimated up
+// to 2 % too bright (one species, tilts of Beckmann from 0.05 to 0.4, views at 45 and 80 degrees).
 template <class T>
 inline constexpr std::array<T, 2> kArcNode = {T(0.31965837081L), T(0.89700829586L)};
 template <class T>
 inline constexpr std::array<T, 2> kArcWeight = {T(1.37527767497L), T(0.62472232503L)};
 
 // A smaller share of the flakes is left out; up to twice that they fade in, so that rounding moves
-// nothing by a step. That changes the root mean square of M's error by 0.02 % (docs/fits.md).
+// nothing by a step. That changes the root mean square of M's error by 0.05 % (docs/fits.md).
 inline constexpr double kFewFlakes = 1e-3;
 
 // A flake at beta, phi mirrors v (cosine c, sine s) into the cosine a + b cos(phi),
@@ -248,15 +251,15 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
       // Of a whole circle the midpoint rule, of an arc another one: two points either way.
       for (int j = 0; j < 2; ++j) {
         T cos_phi = j == 0 ? T(0.707106781186547524401L) : T(-0.707106781186547524401L);
-        T part = 1;
+        T arc = 1;
         if (limit < half_turn) {
           const T half = sine(limit * kArcNode<T>[j]);
           cos_phi = 1 - 2 * half * half;
-          part = kArcWeight<T>[j];
+          arc = kArcWeight<T>[j];
         }
         const T cos_alpha = clamp(p + q * cos_phi, T(0), T(1));
         const T cos_exit = min(a + b * cos_phi, T(1));
-        const T share = ring * part * cos_alpha;
+        const T share = ring * arc * cos_alpha;
         const T escaping = share * (escape_over_cosine(cos_exit, layer.eta) * cos_exit);
         sum.cone = sum.cone + share;
         sum.escaping = sum.escaping + escaping;
@@ -323,7 +326,7 @@ struct FlakeRates {
   Rgb<T> escaping{}, inside{}, outside{};  // S by what becomes of it at the surface
   Rgb<T> loss{};                           // K
   SingleShares<T> single{};
-  T out{}, in_common{};  // what escapes if all is mirrored; likewise times G of hot_spot.h
+  T all_escaping{}, in_common{};  // of flakes that mirror all; likewise times G of hot_spot.h
 };
 
 template <class T>
@@ -428,7 +431,7 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, T(0)));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.out = rates.out + flux * mirrored.escaping;
+  rates.all_escaping = rates.all_escaping + flux * mirrored.escaping;
   rates.in_common = rates.in_common + flux * mirrored.in_common;
   const SingleShares<T> single = mean_single(layer, coating, mirrored, slant_view);
   rates.single.independent =
@@ -438,13 +441,15 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
 }
 
 // Light that stays among the flakes forgets the view, half of it where so many times t sqrt(t), of
-// their mean turn t = <1 - cos(beta)>, is 1. Narrow flakes keep it in the cone.
+// their mean turn t = <1 - cos(beta)>, is 1. Narrow flakes keep it in the cone. Fitted to the walk:
+// with flakes of colours of their own the root mean square of M's error is least, and 4 and 7 %
+// more at 200 and 800 (docs/fits.md).
 inline constexpr double kForgetting = 400;
 
 // What a flake turns out of the cone is still near its edge. So much of it the next flake sends
 // out; the rest is o. Over a longer way than the view's: absorption in the binder takes its part.
-// Fitted to the walk: with all of it o, dense layers seen at 80 degrees are 8 % too dark in M in
-// the median, and 30 to 40 % where narrow flakes lie over black.
+// Fitted to the walk: with all of it o, that root mean square is 22 % more, and M of narrow flakes
+// over black, seen at 80 degrees, 30 to 40 % too dark.
 inline constexpr double kEdge = 0.185, kEdgeAbsorption = 1.25;
 
 // Of all flakes.
@@ -623,6 +628,7 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   }
   T outside = max(1 - escape - inside, T(0));
   T unpigmented = 0;  // of what is mirrored, by flakes alone
+  // A(2 x) = A(x) (1 - x A(x)/2), with A of mean_transmittance.
   const T twice = met_once * (1 - (mirror + loss) * met_once / 2);
   if (about.mirrored > 0) {
     // So much of o stays g, which escapes by the share `escape`.
@@ -631,7 +637,6 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
     inside = inside + outside * edge;
     outside = outside - outside * edge;
     // Mirrored more than once, it nears the shares of Lambertian light.
-    // A(2 x) = A(x) (1 - x A(x)/2), with A of mean_transmittance.
     const T once = min(mirror * twice / about.mirrored, T(1));
     const T turn = 1 - mean_cosine(diffuse_light);
     const T turns = T(kForgetting) * (turn * sqrt(turn));
@@ -664,9 +669,7 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   const T from_substrate = substrate * exponential(-(mirror + loss)) * diffused.below;
   T twice_clear = twice;
   if (pigment_back > 0) {
-    const T depth = mirror + loss + pigment_back / cos_in;
-    const T met_clear = mean_transmittance(depth);
-    twice_clear = met_clear * (1 - depth * met_clear / 2);
+    twice_clear = mean_transmittance(2 * (mirror + loss + pigment_back / cos_in));
   }
   const T first = mirror * met_once;
   const T by_flake = flake_mirror * met_once;
@@ -690,7 +693,7 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
   T out_now = out;
   if (left > 0 && single > 0) {
     const T rise = clamp(correlated * left / max(single * left_now, T(1e-20)), T(1), T(1e6));
-    const T in_common = flakes.in_common / max(flakes.out, T(1e-20));
+    const T in_common = flakes.in_common / max(flakes.all_escaping, T(1e-20));
     const T power = T(kHoles) * in_common / (1 + T(kCrowded) * layer.shared_blocking.*c) -
                     T(kBetweenFlakes) * (absorption / (1 + absorption));
     const T odds = exponential(power * logarithm(rise));

@@ -255,7 +255,7 @@ struct FlakeRates {
   color outside;
   color loss;
   SingleShares single;
-  float out;
+  float all_escaping;
   float in_common;
 };
 
@@ -268,7 +268,7 @@ FlakeRates no_flakes()
   rates.loss = color(0.0);
   rates.single.independent = color(0.0);
   rates.single.correlated = color(0.0);
-  rates.out = 0.0;
+  rates.all_escaping = 0.0;
   rates.in_common = 0.0;
   return rates;
 }
@@ -372,7 +372,7 @@ void add_flakes(output FlakeRates rates, Layer layer, int species, float library
   rates.inside = rates.inside + r * (flux * (mirrored.cone - mirrored.escaping));
   rates.outside = rates.outside + r * (flux * max(area - mirrored.cone, 0.0));
   rates.loss = rates.loss + lost_colour(r, t) * (flux * area);
-  rates.out = rates.out + flux * mirrored.escaping;
+  rates.all_escaping = rates.all_escaping + flux * mirrored.escaping;
   rates.in_common = rates.in_common + flux * mirrored.in_common;
   SingleShares single = mean_single(layer, coating, library, mirrored, slant_view);
   rates.single.independent = rates.single.independent + single.independent * (flux * mirrored.escaping);
@@ -558,11 +558,8 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
 
   float from_substrate = substrate * exponential(-(mirror + loss)) * diffused.below;
   float twice_clear = twice;
-  if (pigment_back > 0.0) {
-    float depth = mirror + loss + pigment_back / cos_in;
-    float met_clear = mean_transmittance(depth);
-    twice_clear = met_clear * (1.0 - depth * met_clear / 2.0);
-  }
+  if (pigment_back > 0.0)
+    twice_clear = mean_transmittance(2.0 * (mirror + loss + pigment_back / cos_in));
   float first = mirror * met_once;
   float by_flake = flake_mirror * met_once;
   float own = min(flakes.escaping[c] * twice_clear, by_flake);
@@ -584,7 +581,7 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
     float out_now = out;
     if (left > 0.0 && single > 0.0) {
       float rise = clamp(correlated * left / max(single * left_now, 1e-20), 1.0, 1e6);
-      float in_common = flakes.in_common / max(flakes.out, 1e-20);
+      float in_common = flakes.in_common / max(flakes.all_escaping, 1e-20);
       float power = HOLES * in_common / (1.0 + CROWDED * layer.shared_blocking[c]) -
                     BETWEEN_FLAKES * (absorption / (1.0 + absorption));
       float odds = exponential(power * logarithm(rise));
