@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench.equal_error import Series, crossing
+from bench.instructions import read as read_counts
 from bench.rows import Found, Row, ratios, read, write
 from common.processes import TOOLS
 
@@ -102,3 +103,44 @@ def test_an_advantage_ends_where_its_factor_passes_one() -> None:
     assert crossing({4: 0.1, 16: 10, 64: 100}) == pytest.approx(8)
     assert crossing({4: 2, 16: 10}) is None
     assert crossing({4: 1, 16: 10}) is None
+
+
+CALLGRIND = """\
+# callgrind format
+desc: Timerange: Basic block 0 - 9
+desc: Trigger: dump the paint, 33
+
+positions: line
+events: Ir
+summary: 1015
+
+ob=(1) /lib/libcycles.so
+fn=(1) render
+10 5
++2 3
+cob=(2) ???
+cfn=(2) 0x4c3be000
+calls=2 0
+* 1007
+
+ob=(2)
+fn=(2)
+0 900
+0 100
+cob=(1)
+cfn=(3) sine
+calls=4 80
+0 7
+
+ob=(1)
+fn=(3)
+80 7
+
+totals: 1015
+"""
+
+
+def test_instructions_are_counted_where_they_are_executed_and_once(tmp_path: Path) -> None:
+    file = tmp_path / "callgrind.1"
+    file.write_text(CALLGRIND, encoding="utf-8")
+    assert read_counts(file) == ("the paint, 33", (1015, 1000))

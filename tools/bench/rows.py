@@ -13,11 +13,12 @@ from pathlib import Path
 from common import bars, files
 from common.processes import BUILD
 
-ABSENT = "absent"  # not with --quick
+ABSENT = "absent"
 RENDERED = ("samples", "growth", "noise", ABSENT)  # within one Blender
-ERROR = "error"  # in the first Blender alone
+INSTRUCTIONS, ERROR = "instructions", "error"  # in the first Blender alone
 CORE = "core"
-PARTS = ("waits", "memory", *RENDERED, ERROR, CORE)
+LONG = (ABSENT, INSTRUCTIONS)  # not with --quick
+PARTS = ("waits", "memory", *RENDERED, INSTRUCTIONS, ERROR, CORE)
 WORK = BUILD / "bench"
 SERIES = WORK / "error"  # the pictures
 

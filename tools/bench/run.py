@@ -17,7 +17,20 @@ from common.environments import FIRST_BLENDER, Blender
 from common.processes import ROOT, TOOLS, StepFailedError, run_measurement, run_program, say
 from common.report_folder import BENCH, REPORT, check_file
 
-from bench.rows import ABSENT, CORE, ERROR, PARTS, RENDERED, SERIES, WORK, Found, read, write
+from bench.instructions import instructions
+from bench.rows import (
+    CORE,
+    ERROR,
+    INSTRUCTIONS,
+    LONG,
+    PARTS,
+    RENDERED,
+    SERIES,
+    WORK,
+    Found,
+    read,
+    write,
+)
 from bench.waits import waits
 
 FOUND = "found.json"
@@ -51,7 +64,7 @@ def main() -> int:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="few repetitions, in the first Blender alone, and no absent parts",
+        help="few repetitions, in the first Blender alone, no absent parts and no instructions",
     )
     parser.add_argument(
         "--only", default="", metavar="TEXT", help=f"of {', '.join(PARTS)} those with TEXT in them"
@@ -60,7 +73,7 @@ def main() -> int:
 
     start = time.monotonic()
     quick = arguments.quick
-    parts = [part for part in PARTS if not (quick and part == ABSENT)]
+    parts = [part for part in PARTS if not (quick and part in LONG)]
     chosen = [part for part in parts if arguments.only in part]
     if not chosen:
         raise StepFailedError(f"--only {arguments.only}: none of {', '.join(parts)}.")
@@ -81,6 +94,8 @@ def main() -> int:
         for part in RENDERED:
             if part in chosen:
                 found += measure(blender, part, quick)
+    if INSTRUCTIONS in chosen:
+        found.append(instructions(FIRST_BLENDER, WORK))
     if ERROR in chosen:
         found += measure(FIRST_BLENDER, ERROR, quick)
     if CORE in chosen:
