@@ -540,12 +540,16 @@ DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>:
 //
 // What flakes scatter several times keeps to the holes as well, by no formula that we have. So n,
 // the lobe's height and kLean are fitted to all that finite flakes show (390 paints of
-// tests/fits/finite_flakes.cpp). The whole paint is then within 5 % in 0.81 of 1030 fresh cases.
-// Fitted to exp(c k) alone, the lobe is wider and lower and the paint within 5 % in 0.76 of them;
-// at 15 degrees from its light it is then 4 % too dark in the median. Of exp(c k) the logarithm
-// errs by a root mean square of 0.12 over all lights, by 0.39 with k = 0 and by 0.17 with the best
-// diffuse lobe (docs/fits.md).
+// tests/fits/finite_scenes.h; tests/fits/fit_mixture.py fits them anew). The whole paint is then
+// within 5 % in 0.81 of 1030 fresh cases. Fitted to exp(c k) alone, the lobe is wider and lower and
+// the paint within 5 % in 0.76 of them; at 15 degrees from its light it is then 4 % too dark in the
+// median. Of exp(c k) the logarithm errs by a root mean square of 0.12 over all lights, by 0.39
+// with k = 0 and by 0.17 with the best diffuse lobe (docs/fits.md).
 inline constexpr double kLean = 0.09;
+// For H over the flakes' diameter, h: n = kReturnExponent (1 + kReturnNarrowing h)^2, and the
+// lobe's integral goes with kReturnHeight/((n + 2) (1 + kReturnLowering h)).
+inline constexpr double kReturnExponent = 8.6, kReturnNarrowing = 0.03;
+inline constexpr double kReturnHeight = 2.6, kReturnLowering = 0.27;
 // Narrower than any lamp.
 inline constexpr double kMostExponent = 1e4;
 
@@ -565,8 +569,8 @@ Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, 
   for (std::size_t i = 0; i < kSpecies; ++i) {
     thickness = thickness + layer.hiding[i] * layer.thickness_in_flakes[i];
   }
-  const T narrow = 1 + T(0.03) * thickness;
-  const T exponent = T(8.6) * (narrow * narrow);
+  const T narrow = 1 + T(kReturnNarrowing) * thickness;
+  const T exponent = T(kReturnExponent) * (narrow * narrow);
   const T steep = (1 - cos_in) * (1 + cos_in) / (cos_in * cos_in);
   const T beyond = 1 - surface.cone;
   const T apart = sqrt(T(0.71) * surface.cone / max(beyond, T(1e-3)) + steep);
@@ -582,7 +586,7 @@ Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, 
   return {.free = map(Rgb<T>{} - slant_view, passed),
           .far = map(shared * far - slant_view, passed),
           .near = map(shared - slant_view, passed),
-          .lobe = T(2.6) / ((exponent + 2) * (1 + T(0.27) * thickness)) *
+          .lobe = T(kReturnHeight) / ((exponent + 2) * (1 + T(kReturnLowering) * thickness)) *
                   lambertian_escape(surface) * axis,
           .above = 1 - T(0.5) * exponential(T(-0.93) * (exponent + 1) * (axis * axis)),
           .exponent = min(exponent, T(kMostExponent))};
@@ -594,8 +598,8 @@ Returning<T> returning(const Layer<T>& layer, const DiffuseSurface<T>& surface, 
 // lobe has four times the solid angle.
 inline constexpr double kPigmentBack = 2;
 
-// Of finite flakes, fitted to their albedo (260 paints of tests/fits/finite_flakes.cpp by six
-// lights): see mixture_channel.
+// Of finite flakes, fitted to their albedo (260 paints of tests/fits/finite_scenes.h by six lights;
+// tests/fits/fit_mixture.py fits them anew): see mixture_channel.
 inline constexpr double kHoles = 0.67, kCrowded = 0.6, kBetweenFlakes = 1.25;
 
 // M/(1 - r_s) in one colour, and the parts of it in the glossy and the returning lobe.

@@ -18,6 +18,17 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "fits"
 PROGRAMS = BUILD / "tests" / "fits"
+OF_THE_PAGE = (
+    "mixture_error",
+    "mixture_averages",
+    "facet_fit",
+    "hot_spot_fit",
+    "lobe_spread",
+    "diffuse_lobe",
+    "finite_flakes",
+    "reciprocity",
+    "returning_fit",
+)
 HEADER = ROOT / "core" / "mixture.h"
 
 # What stands in core/mixture.h, and what to try in its place.
@@ -131,25 +142,27 @@ def run(*command: str | Path) -> str:
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.rstrip()
 
 
-def build() -> None:
+def build(*targets: str) -> None:
     run("cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release")
-    for program in (
-        "mixture_error",
-        "mixture_averages",
-        "facet_fit",
-        "hot_spot_fit",
-        "lobe_spread",
-        "diffuse_lobe",
-        "finite_flakes",
-        "reciprocity",
-        "returning_fit",
-    ):
-        tell(f"building {program}")
-        run("cmake", "--build", BUILD, "--target", program)
+    for target in targets:
+        tell(f"building {target}")
+        run("cmake", "--build", BUILD, "--target", target)
 
 
 def tell(what: str) -> None:
     print(what, file=sys.stderr, flush=True)
+
+
+def with_headers(folder: Path, name: str) -> Path:
+    """A program built with the headers in a folder in place of the core's."""
+    program = folder / name
+    run(
+        "c++", "-std=c++20", "-O2", "-ffp-contract=off",
+        "-I", folder, "-I", ROOT / "core", "-I", ROOT / "tests" / "core",
+        ROOT / "tests" / "fits" / f"{name}.cpp",
+        BUILD / "libmetallic_paint_core_compiled.a", "-lgtest", "-lpthread", "-o", program,
+    )  # fmt: skip
+    return program
 
 
 def with_piece(piece: str, instead: str, walks: Path) -> str:
@@ -160,13 +173,7 @@ def with_piece(piece: str, instead: str, walks: Path) -> str:
         raise SystemExit(f"{HEADER} holds {piece!r} {text.count(piece)} times, not once.")
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "mixture.h").write_text(text.replace(piece, instead))
-        program = Path(folder) / "mixture_error"
-        run(
-            "c++", "-std=c++20", "-O2", "-ffp-contract=off",
-            "-I", folder, "-I", ROOT / "core", "-I", ROOT / "tests" / "core",
-            ROOT / "tests" / "fits" / "mixture_error.cpp",
-            BUILD / "libmetallic_paint_core_compiled.a", "-lgtest", "-lpthread", "-o", program,
-        )  # fmt: skip
+        program = with_headers(Path(folder), "mixture_error")
         return run(program, "compare", walks)
 
 
@@ -205,7 +212,7 @@ def main() -> None:
     parser.add_argument("--walks", type=Path, metavar="FILE", help="keep the walks, or take them")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "fits.md", metavar="FILE")
     arguments = parser.parse_args()
-    build()
+    build(*OF_THE_PAGE)
     walks = arguments.walks or BUILD / "walks.txt"
     if not (arguments.walks and walks.exists()):
         first = [] if arguments.first is None else [str(arguments.first)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Instructions, which Valgrind counts in Blender: the same in each run, whatever else is running.
+"""Instructions, which Valgrind counts in Blender: alike in each run, whatever else is running.
 
 An instruction is no time: a quotient takes longer than a sum, and a core does several at once.
 """

@@ -51,10 +51,10 @@ CAPTIONS = {
     "absent": "What a scene does not use costs nothing: operations that OSL keeps of the shader, "
     "over those where the part is cut from its text, and where these differ, times. The first time "
     "is of two copies of the same shader: noise.",
-    "instructions": "What one core does, as Valgrind counts it in the first Blender: the same in "
-    "every run, while times change with what else the machine does. The same scenes as above, of "
-    "one thread. An instruction is no time, but the ratios are alike. What is not the compiled "
-    "shader is Cycles itself: rays, lights, random numbers, and the closures that the paint needs.",
+    "instructions": "What one core does, as Valgrind counts it in the first Blender: within 2 % the "
+    "same in every run, while times change with what else the machine does. The same scenes as "
+    "above, of one thread. An instruction is no time, but the ratios are alike. What is not the "
+    "compiled shader is Cycles itself: rays, lights, random numbers, and the closures that the paint needs.",
     "error": "A plane under a sun: the paint, Voronoi and noise flakes without a coat, and every "
     "flake of a layer as a disc in a mesh, with the metal of the Voronoi flakes, their tilt as the "
     "binder shows it, and no binder. Each method is held against its own converged picture (other "

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Fits those constants of core/mixture.h and core/diffuse_lobe.h that stand for finite flakes, to
+// random paints traced with all mirrorings (core/reference/disc_walk.h). fit_mixture.py builds this
+// with copies of both headers in which the constants are variables.
+//
+//   mixture_fit trace FILE PAINTS PHOTONS SEED
+//   mixture_fit fit FILE
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "finite_scenes.h"
+#include "parallel.h"
+
+namespace {
+
+using namespace core_tests;
+
+// --- traces ----------------------------------------------------------------------------------
+
+constexpr const char* kHeader =
+    "# paint (its seed); albedo or brdf; degrees of light, view and azimuth; in green: the whole, "
+    "its standard error, of it by single flakes";
+constexpr double kSlants[] = {0, 30, 45, 60, 80, 85};  // all lights of kGeometries are among them
+
+void write_row(std::FILE* file, std::uint64_t paint, const char* what, const Geometry& at,
+               const reference::ByComponent& traced) {
+  std::fprintf(file, "%llu %s %g %g %g %.6g %.3g %.6g\n", static_cast<unsigned long long>(paint),
+               what, at.light, at.view, at.azimuth, traced.total.mean.y, traced.total.error.y,
+               traced.part[reference::single_flake].mean.y);
+}
+
+void trace(const std::string& name, int paints, std::size_t photons, std::uint64_t seed) {
+  const std::string part = name + ".part";
+  std::FILE* file = std::fopen(part.c_str(), "w");
+  if (!file) throw std::runtime_error("cannot write " + part);
+  std::fprintf(file, "%s\n", kHeader);
+  for (int k = 0; k < paints; ++k) {
+    const std::uint64_t paint_seed = seed + static_cast<std::uint64_t>(k);
+    Random random(paint_seed);
+    const Paint paint = random_layer(random);
+    for (const double slant : kSlants) {
+      const reference::DiscResult traced =
+          reference::trace_discs(scene_of(paint, slant, photons, random.bits()));
+      write_row(file, paint_seed, "albedo", {slant, 0, 0}, traced.albedo);
+      auto brdf = traced.brdf.begin();
+      for (const Geometry& at : kGeometries) {
+        if (at.light == slant) write_row(file, paint_seed, "brdf", at, *brdf++);
+      }
+    }
+    std::fprintf(stderr, "%d of %d traced\n", k + 1, paints);
+  }
+  const bool failed = std::ferror(file) != 0;
+  if (std::fclose(file) != 0 || failed) throw std::runtime_error("cannot write " + part);
+  std::filesystem::rename(part, name);
+}
+
+// --- errors ----------------------------------------------------------------------------------
+
+struct Case {
+  Paint paint;
+  Vec3<double> light, view;
+  double whole;         // traced
+  double traced_rest;   // without single flakes
+  double shown_single;  // of the model; no constant changes it
+};
+
+struct Cases {
+  std::vector<Case> radiances, albedos;
+};
+
+// Those of even seeds, which are fitted, and of odd ones.
+std::array<Cases, 2> read(const std::string& name) {
+  std::ifstream file(name);
+  std::string line;
+  if (!std::getline(file, line) || line != kHeader) {
+    throw std::runtime_error(name + " holds no traces of this program");
+  }
+  std::array<Cases, 2> halves;
+  std::uint64_t seed = 0;
+  std::string what;
+  Geometry at{};
+  double whole = 0, error = 0, single = 0;
+  while (file >> seed >> what >> at.light >> at.view >> at.azimuth >> whole >> error >> single) {
+    if (error > kMostNoise * whole) continue;
+    Random random(seed);
+    Case one{random_layer(random),
+             direction(at.light, 0),
+             direction(at.view, at.azimuth),
+             whole,
+             whole - single,
+             0};
+    Cases& half = halves[seed % 2];
+    (what == "albedo" ? half.albedos : half.radiances).push_back(one);
+  }
+  if (!file.eof()) throw std::runtime_error(name + " has a row that is none");
+  for (Cases& half : halves) {
+    if (half.radiances.empty()) throw std::runtime_error(name + " has too few paints");
+    parallel_for(
+        half.radiances.size(),
+        [&](std::size_t i) {
+          Case& one = half.radiances[i];
+          one.shown_single = single_of(one.paint, one.light, one.view);
+        },
+        8);
+  }
+  return halves;
+}
+
+// Relative, of the whole.
+double radiance_error(const Case& one) {
+  return (one.shown_single + rest_of(one.paint, one.light, one.view)) / one.whole - 1;
+}
+
+// Of M, the albedo without single flakes.
+double albedo_error(const Case& one) {
+  SurfacePoint<double> point{};
+  point.normal = {0, 0, 1};
+  point.view = one.light;
+  const Stack<double> stack =
+      make_stack(one.paint, make_layer<double>(one.paint), point, point.normal);
+  const double shown = (stack.diffuse + stack.glossy + stack.returned).y * stack.coat.rest;
+  return shown - one.traced_rest;
+}
+
+template <class Error>
+std::vector<double> errors(const std::vector<Case>& cases, const Error& error) {
+  std::vector<double> all(cases.size());
+  parallel_for(cases.size(), [&](std::size_t i) { all[i] = error(cases[i]); }, 8);
+  return all;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+// Nearly how many cases are off by more than 5 %; the second term pulls at those far off.
+double radiance_cost(const Cases& cases) {
+  return mean(errors(cases.radiances, [](const Case& one) {
+    const double off = std::fabs(radiance_error(one)), square = off * off;
+    return square / (square + 0.05 * 0.05) + std::min(off, 0.3);
+  }));
+}
+
+// Huber's loss of the relative error.
+double albedo_cost(const Cases& cases) {
+  return mean(errors(cases.albedos, [](const Case& one) {
+    constexpr double kStraight = 0.1;  // from here on
+    const double off = std::fabs(albedo_error(one)) / (one.traced_rest + 0.01);
+    return off < kStraight ? off * off : kStraight * (2 * off - kStraight);
+  }));
+}
+
+// --- the fit ---------------------------------------------------------------------------------
+
+struct Constant {
+  const char* name;
+  double* value;
+  double in_header;
+};
+
+#define METALLIC_PAINT_CONSTANT(name) {#name, &name, name}
+std::vector<Constant> energy = {
+    METALLIC_PAINT_CONSTANT(kHoles),
+    METALLIC_PAINT_CONSTANT(kCrowded),
+    METALLIC_PAINT_CONSTANT(kBetweenFlakes),
+};
+std::vector<Constant> lobes = {
+    METALLIC_PAINT_CONSTANT(kStretch),        METALLIC_PAINT_CONSTANT(kLean),
+    METALLIC_PAINT_CONSTANT(kReturnExponent), METALLIC_PAINT_CONSTANT(kReturnNarrowing),
+    METALLIC_PAINT_CONSTANT(kReturnHeight),   METALLIC_PAINT_CONSTANT(kReturnLowering),
+    METALLIC_PAINT_CONSTANT(kFlakesBySlant),  METALLIC_PAINT_CONSTANT(kAbsorptionBySlant),
+};
+#undef METALLIC_PAINT_CONSTANT
+
+struct Corner {
+  std::vector<double> place;
+  double cost;
+};
+
+// Nelder and Mead's simplex. The constants end at the least cost.
+void fit(const char* what, const std::vector<Constant>& constants,
+         const std::function<double()>& cost) {
+  const std::size_t n = constants.size(), most = 50 * n;
+  std::size_t tried = 0;
+  const auto set = [&](const std::vector<double>& place) {
+    for (std::size_t i = 0; i < n; ++i) *constants[i].value = place[i];
+  };
+  const auto corner_at = [&](const std::vector<double>& place) {
+    set(place);
+    const double found = cost();
+    if (++tried % 10 == 0) std::fprintf(stderr, "%s: %zu tried, cost %.5f\n", what, tried, found);
+    return Corner{place, found};
+  };
+  std::vector<double> start;
+  for (const Constant& constant : constants) start.push_back(*constant.value);
+  std::vector<Corner> simplex = {corner_at(start)};
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<double> place = start;
+    place[i] *= 1.15;
+    simplex.push_back(corner_at(place));
+  }
+  const auto by_cost = [](const Corner& a, const Corner& b) { return a.cost < b.cost; };
+  for (;;) {
+    std::sort(simplex.begin(), simplex.end(), by_cost);
+    const Corner best = simplex.front(), worst = simplex.back();
+    if (tried >= most || worst.cost - best.cost < 1e-4 * best.cost) break;
+    std::vector<double> middle(n, 0);  // of all but the worst
+    for (std::size_t k = 0; k < n; ++k) {
+      for (std::size_t i = 0; i < n; ++i) {
+        middle[i] += simplex[k].place[i] / static_cast<double>(n);
+      }
+    }
+    const auto along = [&](const std::vector<double>& from, const std::vector<double>& to,
+                           double way) {
+      std::vector<double> place(n);
+      for (std::size_t i = 0; i < n; ++i) place[i] = from[i] + way * (to[i] - from[i]);
+      return corner_at(place);
+    };
+    const Corner mirrored = along(middle, worst.place, -1);
+    if (mirrored.cost < best.cost) {
+      const Corner further = along(middle, worst.place, -2);
+      simplex.back() = further.cost < mirrored.cost ? further : mirrored;
+    } else if (mirrored.cost < simplex[n - 1].cost) {
+      simplex.back() = mirrored;
+    } else {
+      const Corner nearer = along(middle, worst.place, mirrored.cost < worst.cost ? -0.5 : 0.5);
+      if (nearer.cost < std::min(mirrored.cost, worst.cost)) {
+        simplex.back() = nearer;
+      } else {
+        for (std::size_t k = 1; k <= n; ++k) simplex[k] = along(best.place, simplex[k].place, 0.5);
+      }
+    }
+  }
+  set(simplex.front().place);
+}
+
+std::string row(const std::string& name, const Cases& cases) {
+  const auto sizes = [](std::vector<double> values) {
+    for (double& value : values) value = std::fabs(value);
+    return values;
+  };
+  const std::vector<double> radiance = sizes(errors(cases.radiances, radiance_error));
+  const std::vector<double> albedo = sizes(errors(cases.albedos, albedo_error));
+  const auto within = [&](double limit) {
+    const auto count = std::count_if(radiance.begin(), radiance.end(),
+                                     [&](double error) { return error < limit; });
+    return static_cast<double>(count) / static_cast<double>(radiance.size());
+  };
+  char text[200];
+  std::snprintf(text, sizeof text, "| %s | %zu | %.3f | %.3f | %.4f | %zu | %.4f |\n", name.c_str(),
+                radiance.size(), within(0.05), within(0.1), mean(radiance), albedo.size(),
+                quantile(albedo, 0.95));
+  return text;
+}
+
+void fit_all(const std::string& name) {
+  const std::array<Cases, 2> halves = read(name);
+  const auto& [even, odd] = halves;
+  std::string rows = row("fitted half, before", even) + row("other half, before", odd);
+  fit("energy", energy, [&] { return albedo_cost(halves[0]); });
+  fit("lobes", lobes, [&] { return radiance_cost(halves[0]); });
+  rows += row("fitted half, after", even) + row("other half, after", odd);
+  std::printf("| constant | in the header | fitted |\n| --- | ---: | ---: |\n");
+  for (const auto& constants : {energy, lobes}) {
+    for (const Constant& constant : constants) {
+      std::printf("| %s | %g | %.4g |\n", constant.name, constant.in_header, *constant.value);
+    }
+  }
+  std::printf(
+      "\n| | radiances | within 5 %% | within 10 %% | mean error, relative | albedos | error of M, "
+      "95 %% |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n%s",
+      rows.c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() == 5 && arguments[0] == "trace") {
+    trace(arguments[1], std::stoi(arguments[2]), std::stoul(arguments[3]),
+          std::stoull(arguments[4]));
+  } else if (arguments.size() == 2 && arguments[0] == "fit") {
+    fit_all(arguments[1]);
+  } else {
+    std::fprintf(stderr, "mixture_fit trace FILE PAINTS PHOTONS SEED | mixture_fit fit FILE\n");
+    return 2;
+  }
+}
