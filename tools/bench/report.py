@@ -51,10 +51,11 @@ CAPTIONS = {
     "absent": "What a scene does not use costs nothing: operations that OSL keeps of the shader, "
     "over those where the part is cut from its text, and where these differ, times. The first time "
     "is of two copies of the same shader: noise.",
-    "instructions": "What one core does, as Valgrind counts it in the first Blender: within 2 % the "
-    "same in every run, while times change with what else the machine does. The same scenes as "
+    "instructions": "What one core does, as Valgrind counts it in the first Blender: within 2 % "
+    "the same in every run, while times change with what else the machine does. The same scenes as "
     "above, of one thread. An instruction is no time, but the ratios are alike. What is not the "
-    "compiled shader is Cycles itself: rays, lights, random numbers, and the closures that the paint needs.",
+    "compiled shader is Cycles itself: rays, lights, random numbers, and the closures that the "
+    "paint needs.",
     "error": "A plane under a sun: the paint, Voronoi and noise flakes without a coat, and every "
     "flake of a layer as a disc in a mesh, with the metal of the Voronoi flakes, their tilt as the "
     "binder shows it, and no binder. Each method is held against its own converged picture (other "
@@ -97,7 +98,7 @@ TRIED = (
     ("loops whose count LLVM cannot know, so that it copies none out",
      "0.82 s to the first sample with and without"),
     ("OSL's passes (`opt_seed_bblock_aliases=0`, or `opt_passes=2`)",
-     "OSL's own part of the wait falls to half, 0.3 s of 0.6, and LLVM's stays, though 8,213 "
+     "OSL's own part of the wait falls to less than half and LLVM's does not grow, though 8,213 "
      "operations remain where 3,926 did; but these are settings of the user's whole Blender"),
     ("the core with `-O3`, or tuned for this processor (`-mtune`)",
      "`-O3` 0 to 2 % faster where sparkles are few and 6 % where they are many, less than one flat "
