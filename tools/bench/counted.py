@@ -20,7 +20,7 @@ from metallic_paint.paint import material  # noqa: E402
 from pictures import render_scene  # noqa: E402
 from verification import scenes  # noqa: E402
 
-from bench import materials, stage  # noqa: E402
+from bench import materials  # noqa: E402
 from bench.growth import SUNS  # noqa: E402
 from bench.instructions import (  # noqa: E402
     FEW,
@@ -37,6 +37,7 @@ from bench.instructions import (  # noqa: E402
 )
 from bench.samples import ONE, TWO  # noqa: E402
 from bench.samples import PAINT as BY_DEFAULT  # noqa: E402
+from bench.stage import Stage  # noqa: E402
 
 CONTENDERS: dict[str, Callable[[], bpy.types.Material]] = {
     PRINCIPLED: materials.principled,
@@ -46,10 +47,10 @@ CONTENDERS: dict[str, Callable[[], bpy.types.Material]] = {
 }
 
 
-def count(stand: stage.Stage, contender: str, name: str, samples: int) -> None:
+def count(stage: Stage, contender: str, name: str, samples: int) -> None:
     """The contender's picture, in a file that is called so."""
     _control("--instr=on")
-    stand.render(contender, samples)
+    stage.render(contender, samples)
     _control(f"--dump={name}")
     _control("--instr=off")
 
@@ -58,14 +59,13 @@ def _control(order: str) -> None:
     subprocess.run(["callgrind_control", order, str(os.getpid())], check=True, capture_output=True)
 
 
-def main() -> None:
-    stage.THREADS = 1
+def count_all() -> None:
     for picture, name in ((STARTS, PRINCIPLED), (PRINCIPLED, PRINCIPLED), (PAINT, PAINT)):
-        alone = stage.Stage([scenes.SUN], sky=1)
+        alone = Stage([scenes.SUN], sky=1, threads=1)
         alone.add(name, [CONTENDERS[name]()], SIZE)
         alone.fit()
         count(alone, name, picture_name(picture, FIRST), FEW)
-    together = stage.Stage([scenes.SUN], sky=1)
+    together = Stage([scenes.SUN], sky=1, threads=1)
     for name, make in CONTENDERS.items():
         together.add(name, [make()], SIZE)
     together.fit()
@@ -73,7 +73,7 @@ def main() -> None:
         together.render(name, FEW)  # compiles
         for samples in (FEW, MANY):
             count(together, name, picture_name(name, samples), samples)
-    lit = stage.Stage(SUNS)
+    lit = Stage(SUNS, threads=1)
     lit.add(PAINT, [material.create(BY_DEFAULT)], SIZE)
     for lights in LIGHTS:
         lit.light_with(lights)
@@ -82,6 +82,10 @@ def main() -> None:
             count(lit, PAINT, picture_name(f"{PAINT} under {lights} lights", samples), samples)
 
 
-if __name__ == "__main__":
+def main() -> None:
     with render_scene.quiet():
-        render_scene.run(main)
+        count_all()
+
+
+if __name__ == "__main__":
+    render_scene.run(main)

@@ -36,7 +36,7 @@ class View:
 
 
 class Stage:
-    def __init__(self, lamps: Sequence[Lamp], sky: float = 0) -> None:
+    def __init__(self, lamps: Sequence[Lamp], sky: float = 0, threads: int = THREADS) -> None:
         """Under the lamps, and a world of that radiance."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         self.scene = scene = bpy.context.scene
@@ -45,7 +45,7 @@ class Stage:
         material.set_up_cycles(scene)
         verify.make_noiseless(scene)
         scene.render.resolution_percentage = 100
-        scene.render.threads_mode, scene.render.threads = "FIXED", THREADS
+        scene.render.threads_mode, scene.render.threads = "FIXED", threads
         scene.render.use_persistent_data = True  # keeps the shaders compiled
         self.lamps = [add(scene) for add in lamps]
         if sky:
