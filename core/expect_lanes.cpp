@@ -118,25 +118,20 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
   return none || (p.all() <= 0.5f && dark(survival));
 }
 
-// What all pixels of a paint have alike.
-struct Alike {
+struct Made {
   Paint paint{};
   Layer<Many> layer{};
-  Many turned{};
 };
 
-// Kept for the next call, mostly of the same paint: making it takes as long as some dozen pixels.
-// Behind a pointer, as a module's thread-local memory may be less than it takes.
-const Alike& alike_of(const Paint& paint) {
-  static thread_local std::unique_ptr<Alike> last;
+// The paint's layer, kept for the next call, mostly of the same paint: making it takes as long as
+// eight pixels. Behind a pointer, as a module's thread-local memory may be less than it takes.
+const Layer<Many>& layer_of(const Paint& paint) {
+  static thread_local std::unique_ptr<Made> last;
   if (last == nullptr || !(last->paint == paint)) {
-    last = std::make_unique<Alike>(Alike{.paint = paint});
-    Many::in_lanes(kCount, [] {
-      last->layer = make_layer<Many>(last->paint);
-      last->turned = turned_by(last->layer);
-    });
+    last = std::make_unique<Made>(Made{.paint = paint});
+    Many::in_lanes(kCount, [] { last->layer = make_layer<Many>(last->paint); });
   }
-  return *last;
+  return last->layer;
 }
 
 }  // namespace
@@ -146,9 +141,13 @@ const Alike& alike_of(const Paint& paint) {
     const Paint& paint, const std::vector<Light<double>>& lights, std::size_t species,
     const StreamKeys& keys, const PixelBatch& batch, const PixelResults& results, std::size_t begin,
     std::size_t end, LightsToDraw& to) {
-  const auto& [made_of, layer, turned] = alike_of(paint);
+  const Layer<Many>& layer = layer_of(paint);
+  Many turned;
   std::vector<Light<Many>> slots;
-  Many::in_lanes(kCount, [&] { slots = slots_of<Many>(lights); });
+  Many::in_lanes(kCount, [&] {
+    turned = turned_by(layer);
+    slots = slots_of<Many>(lights);
+  });
   std::array<ExpectedLight, kCount> pixels;
   // Made once: to clear them for each pixel took 7 % of the time.
   SurfacePoint<Many> point{};
