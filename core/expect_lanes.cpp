@@ -5,6 +5,7 @@
 // a linker that took it for the same function elsewhere would call what the processor lacks
 // (tests/core/lanes_test.cmake).
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -21,6 +22,7 @@ namespace {
 using Simd = std::experimental::native_simd<float>;
 using Many = Lanes<Simd>;
 constexpr std::size_t kCount = Many::kCount;
+constexpr std::experimental::element_aligned_tag kInTurn{};  // of numbers in memory
 
 // Of each lane the element `at` in its row, which is `row` after that of the lane before, of so
 // many rows.
@@ -35,10 +37,11 @@ Many gather(const Column& column, std::size_t at, std::size_t row, std::size_t r
   });
 }
 
+using Vector = Many::Vector;
+using Places [[gnu::vector_size(sizeof(Simd))]] = int;
+
 // x, y and z of the vectors that lie in turn in a, b and c.
 Vec3<Many> every_third(Simd a, Simd b, Simd c) {
-  using Vector [[gnu::vector_size(sizeof(Simd))]] = float;
-  using Places [[gnu::vector_size(sizeof(Simd))]] = int;
   const auto component = [&](int at) {
     Places in_a_b, in_all;
     for (int lane = 0, count = kCount; lane < count; ++lane) {
@@ -56,14 +59,31 @@ Vec3<Many> gather_vectors(const Column& column, std::size_t at, std::size_t row,
   if (row == 1 && rows == kCount) {
     return column.as_they_are([&](const auto* first) {
       const auto* from = first + 3 * at;
-      const auto in_turn = [&](std::size_t part) {
-        return Simd(from + part * kCount, std::experimental::element_aligned);
-      };
+      const auto in_turn = [&](std::size_t part) { return Simd(from + part * kCount, kInTurn); };
       return every_third(in_turn(0), in_turn(1), in_turn(2));
     });
   }
   return {gather(column, 3 * at, 3 * row, rows), gather(column, 3 * at + 1, 3 * row, rows),
           gather(column, 3 * at + 2, 3 * row, rows)};
+}
+
+// The colours of all lanes, one behind the other: what every_third takes apart.
+void store_in_turn(double* array, const Rgb<Many>& colours) {
+  const auto part = [&]<int kPart>(std::integral_constant<int, kPart>) {
+    Places in_x_y, in_all;
+    for (int lane = 0, count = kCount; lane < count; ++lane) {
+      const int place = kPart * count + lane, pixel = place / 3, at = place % 3;
+      in_x_y[lane] = at == 1 ? count + pixel : pixel;
+      in_all[lane] = at == 2 ? count + pixel : lane;
+    }
+    const Vector x_y = __builtin_shuffle(std::bit_cast<Vector>(colours.x.all()),
+                                         std::bit_cast<Vector>(colours.y.all()), in_x_y);
+    const Vector all = __builtin_shuffle(x_y, std::bit_cast<Vector>(colours.z.all()), in_all);
+    std::bit_cast<Simd>(all).copy_to(array + kPart * kCount, kInTurn);
+  };
+  part(std::integral_constant<int, 0>{});
+  part(std::integral_constant<int, 1>{});
+  part(std::integral_constant<int, 2>{});
 }
 
 Rgb<float> of_lane(const Rgb<Many>& v, std::size_t lane) {
@@ -96,9 +116,11 @@ Many::Mask dark_lanes(const ExpectedSparkles<Many>& expected, HashWords key,
                       const std::int32_t* pixel, std::size_t rows) {
   const Many mean = expected.mean_count;
   const auto word = [&](std::size_t at) {
-    return Many::Words([&](auto lane) {
-      return static_cast<std::uint32_t>(lane < rows ? pixel[2 * lane + at] : 0);
-    });
+    const auto of_lane = [&](auto lane) {
+      return static_cast<std::uint32_t>(pixel[2 * lane + at]);
+    };
+    if (rows == kCount) return Many::Words(of_lane);
+    return Many::Words([&](auto lane) { return lane < rows ? of_lane(lane) : 0; });
   };
   const auto dark = [&](Many chance) {
     const LaneWords words =
@@ -148,9 +170,11 @@ const Layer<Many>& layer_of(const Paint& paint) {
     turned = turned_by(layer);
     slots = slots_of<Many>(lights);
   });
-  std::array<ExpectedLight, kCount> pixels;
   // Made once: to clear them for each pixel took 7 % of the time.
   SurfacePoint<Many> point{};
+  std::array<ExpectedSparkles<Many>, kSpecies> expected;
+  std::array<Many::Mask, kSpecies> dark;
+  ExpectedLight one{};
   SlotView<Many> view;
   for (std::size_t i = begin; i < end; i += kCount) {
     const std::size_t rows = std::min(kCount, end - i);
@@ -174,41 +198,47 @@ const Layer<Many>& layer_of(const Paint& paint) {
         const Passage<Many> way =
             pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
         Rgb<Many> mean{}, variance{};
-        int places = 0;
-        Many mean_count = 0;  // of the species whose counts are told
         Many::Mask lit(false);
         for (std::size_t at = 0; at < static_cast<std::size_t>(layer.species); ++at) {
-          const ExpectedSparkles<Many> expected =
-              expect_sparkles(layer, layer.flakes[at], point.footprint, way);
-          mean = mean + mean_radiance(expected);
-          variance = variance + radiance_variance(expected);
-          const Many::Mask dark = dark_lanes(expected, keys[light][at], batch.pixel + 2 * i, rows);
-          lit = lit || !dark;
-          Many::each_followed([&](std::size_t lane) {
-            ExpectedSparkles<float>& one = pixels[lane].sparkles.expected[at];
-            pixels[lane].dark[at] = dark[lane];
-            if (dark[lane]) {
-              one.ceiling = expected.ceiling[lane];
-            } else {
-              one = of_lane(expected, lane);
-            }
-          });
-          if (at == species) {
-            places = expected.slots;
-            mean_count = expected.mean_count;
-          }
+          expected[at] = expect_sparkles(layer, layer.flakes[at], point.footprint, way);
+          mean = mean + mean_radiance(expected[at]);
+          variance = variance + radiance_variance(expected[at]);
+          dark[at] = dark_lanes(expected[at], keys[light][at], batch.pixel + 2 * i, rows);
+          lit = lit || !dark[at];
         }
-        Many::each_followed([&](std::size_t lane) {
-          const std::size_t at = (i + lane) * slots.size() + light;
-          results.leader[at] = leader;
-          results.slots[at] = places;
-          results.mean_count[at] = static_cast<double>(mean_count[lane]);
-          results.count[at] = 0;
-          store_colour(results.radiance, at, Rgb<float>{});
-          store_colour(results.mean_radiance, at, of_lane(mean, lane));
-          store_colour(results.variance, at, of_lane(variance, lane));
-          if (lit[lane]) to.draw(i + lane, light, pixels[lane]);
-        });
+        const ExpectedSparkles<Many>& told = expected[species];
+        if (slots.size() == 1 && Many::all_followed()) {
+          Many::Ints(leader).copy_to(results.leader + i, kInTurn);
+          Many::Ints(told.slots).copy_to(results.slots + i, kInTurn);
+          told.mean_count.all().copy_to(results.mean_count + i, kInTurn);
+          Simd(0).copy_to(results.count + i, kInTurn);
+          store_in_turn(results.radiance + 3 * i, {});
+          store_in_turn(results.mean_radiance + 3 * i, mean);
+          store_in_turn(results.variance + 3 * i, variance);
+        } else {
+          Many::each_followed([&](std::size_t lane) {
+            const std::size_t at = (i + lane) * slots.size() + light;
+            results.leader[at] = leader;
+            results.slots[at] = told.slots;
+            results.mean_count[at] = static_cast<double>(told.mean_count[lane]);
+            results.count[at] = 0;
+            store_colour(results.radiance, at, Rgb<float>{});
+            store_colour(results.mean_radiance, at, of_lane(mean, lane));
+            store_colour(results.variance, at, of_lane(variance, lane));
+          });
+        }
+        const auto draw = [&](std::size_t lane) {
+          for (std::size_t at = 0; at < static_cast<std::size_t>(layer.species); ++at) {
+            one.dark[at] = dark[at][lane];
+            if (one.dark[at]) {
+              one.sparkles.expected[at].ceiling = expected[at].ceiling[lane];
+            } else {
+              one.sparkles.expected[at] = of_lane(expected[at], lane);
+            }
+          }
+          to.draw(i + lane, light, one);
+        };
+        Many::each_followed(draw, lit);
       }
     });
   }

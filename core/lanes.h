@@ -29,6 +29,7 @@ class Lanes {
   using Mask = typename Simd::mask_type;
   using Ints = std::experimental::rebind_simd_t<int, Simd>;
   using Words = std::experimental::rebind_simd_t<std::uint32_t, Simd>;
+  using Vector [[gnu::vector_size(sizeof(Simd))]] = float;
   static constexpr std::size_t kCount = Simd::size();
 
   Lanes() : all_(0.0f) {}
@@ -68,14 +69,14 @@ class Lanes {
            one;
   }
 
-  // As std::min and std::max have it, NaN and signed zeros included.
+  // As std::min and std::max have it. Those of std::experimental ignore NaN and signed zeros.
   friend Lanes min(Lanes a, Lanes b) {
-    where(b.all_ < a.all_, a.all_) = b.all_;
-    return a;
+    const auto x = std::bit_cast<Vector>(a.all_), y = std::bit_cast<Vector>(b.all_);
+    return Lanes(std::bit_cast<Simd>(y < x ? y : x));
   }
   friend Lanes max(Lanes a, Lanes b) {
-    where(a.all_ < b.all_, a.all_) = b.all_;
-    return a;
+    const auto x = std::bit_cast<Vector>(a.all_), y = std::bit_cast<Vector>(b.all_);
+    return Lanes(std::bit_cast<Simd>(x < y ? y : x));
   }
   friend Lanes clamp(Lanes x, Lanes least, Lanes most) { return min(max(x, least), most); }
   friend Lanes abs(Lanes x) { return Lanes(std::experimental::abs(x.all_)); }
@@ -103,16 +104,18 @@ class Lanes {
       wanted = wanted && !followed_;
     }
   }
-  // At that end, calls work(lane) for those that are.
+  // At that end, calls work(lane) for those that are, and of which the condition holds.
   template <class Work>
-  static void each_followed(const Work& work) {
-    const Mask followed = followed_;
-    for (std::size_t lane = 0; lane < kCount; ++lane) {
-      if (followed[lane]) work(lane);
+  static void each_followed(const Work& work, Mask condition = Mask(true)) {
+    for (Mask left = followed_ && condition; any_of(left);) {
+      const auto lane = static_cast<std::size_t>(find_first_set(left));
+      left[lane] = false;
+      work(lane);
     }
   }
   // Whether the condition holds in all that are followed: none is left behind.
   static bool in_all_followed(Mask condition) { return none_of(followed_ && !condition); }
+  static bool all_followed() { return all_of(followed_); }
 
  private:
   static std::size_t first() { return static_cast<std::size_t>(find_first_set(followed_)); }

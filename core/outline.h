@@ -69,12 +69,12 @@ PointsWithin<T> points_within(const SeenLight<T>& light, long double radii, bool
   return points;
 }
 
+// Of a flat light.
 template <class T>
 Outline<T> outline_of(const SeenLight<T>& light, const Mirror<Wide<T>>& middle, Wide<T> inside,
                       Vec3<Wide<T>> normal, Vec3<Wide<T>> view, Wide<T> eta) {
   using W = Wide<T>;
   Outline<T> outline;
-  if (!(light.radius > 0)) return outline;
   outline.given = true;
   outline.inside = inside;
   const PointsWithin<T> within = points_within(light, kOfFour);

@@ -101,7 +101,7 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
     way.ratio = solid_angle_ratio(cosine, g, eta);
   }
   way.inside = outside * way.ratio;
-  if (!published && !point.bends) {
+  if (light.radius > 0 && !published && !point.bends) {
     way.outline =
         outline_of(light, way.mirror, way.inside, Vec3<W>(point.normal), Vec3<W>(point.view), eta);
   }
