@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Fits those constants of core/mixture.h and core/diffuse_lobe.h that stand for finite flakes, to
-// random paints traced with all mirrorings (core/reference/disc_walk.h). fit_mixture.py builds this
-// with copies of both headers in which the constants are variables.
+// What other values of those constants of core/mixture.h and core/diffuse_lobe.h would err that
+// stand for finite flakes: on random paints traced with all mirrorings
+// (core/reference/disc_walk.h). fit_mixture.py builds this with copies of both headers in which the
+// constants are variables.
 //
 //   mixture_fit trace FILE PAINTS PHOTONS SEED
-//   mixture_fit fit FILE
+//   mixture_fit answer FILE
+//
+// The second writes a line for each group of constants: its name, and names and values in turn.
+// Then it answers each line that it reads with one: a group's name with new values by the cost of
+// the fitted half, "errors" and a name by that half's errors, "check" and a name by the other's.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +18,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -162,89 +168,33 @@ double albedo_cost(const Cases& cases) {
   }));
 }
 
-// --- the fit ---------------------------------------------------------------------------------
+// --- what other constants cost ---------------------------------------------------------------
 
 struct Constant {
   const char* name;
   double* value;
-  double in_header;
 };
 
-#define METALLIC_PAINT_CONSTANT(name) {#name, &name, name}
-std::vector<Constant> energy = {
-    METALLIC_PAINT_CONSTANT(kHoles),
-    METALLIC_PAINT_CONSTANT(kCrowded),
-    METALLIC_PAINT_CONSTANT(kBetweenFlakes),
+struct Group {
+  const char* name;
+  std::vector<Constant> constants;
+  double (*cost)(const Cases&);
 };
-std::vector<Constant> lobes = {
-    METALLIC_PAINT_CONSTANT(kStretch),        METALLIC_PAINT_CONSTANT(kLean),
-    METALLIC_PAINT_CONSTANT(kReturnExponent), METALLIC_PAINT_CONSTANT(kReturnNarrowing),
-    METALLIC_PAINT_CONSTANT(kReturnHeight),   METALLIC_PAINT_CONSTANT(kReturnLowering),
-    METALLIC_PAINT_CONSTANT(kFlakesBySlant),  METALLIC_PAINT_CONSTANT(kAbsorptionBySlant),
-};
+
+#define METALLIC_PAINT_CONSTANT(name) {#name, &name}
+const std::array<Group, 2> groups = {{
+    {"energy",
+     {METALLIC_PAINT_CONSTANT(kHoles), METALLIC_PAINT_CONSTANT(kCrowded),
+      METALLIC_PAINT_CONSTANT(kBetweenFlakes)},
+     albedo_cost},
+    {"lobes",
+     {METALLIC_PAINT_CONSTANT(kStretch), METALLIC_PAINT_CONSTANT(kLean),
+      METALLIC_PAINT_CONSTANT(kReturnExponent), METALLIC_PAINT_CONSTANT(kReturnNarrowing),
+      METALLIC_PAINT_CONSTANT(kReturnHeight), METALLIC_PAINT_CONSTANT(kReturnLowering),
+      METALLIC_PAINT_CONSTANT(kFlakesBySlant), METALLIC_PAINT_CONSTANT(kAbsorptionBySlant)},
+     radiance_cost},
+}};
 #undef METALLIC_PAINT_CONSTANT
-
-struct Corner {
-  std::vector<double> place;
-  double cost;
-};
-
-// Nelder and Mead's simplex. The constants end at the least cost.
-void fit(const char* what, const std::vector<Constant>& constants,
-         const std::function<double()>& cost) {
-  const std::size_t n = constants.size(), most = 50 * n;
-  std::size_t tried = 0;
-  const auto set = [&](const std::vector<double>& place) {
-    for (std::size_t i = 0; i < n; ++i) *constants[i].value = place[i];
-  };
-  const auto corner_at = [&](const std::vector<double>& place) {
-    set(place);
-    const double found = cost();
-    if (++tried % 10 == 0) std::fprintf(stderr, "%s: %zu tried, cost %.5f\n", what, tried, found);
-    return Corner{place, found};
-  };
-  std::vector<double> start;
-  for (const Constant& constant : constants) start.push_back(*constant.value);
-  std::vector<Corner> simplex = {corner_at(start)};
-  for (std::size_t i = 0; i < n; ++i) {
-    std::vector<double> place = start;
-    place[i] *= 1.15;
-    simplex.push_back(corner_at(place));
-  }
-  const auto by_cost = [](const Corner& a, const Corner& b) { return a.cost < b.cost; };
-  for (;;) {
-    std::sort(simplex.begin(), simplex.end(), by_cost);
-    const Corner best = simplex.front(), worst = simplex.back();
-    if (tried >= most || worst.cost - best.cost < 1e-4 * best.cost) break;
-    std::vector<double> middle(n, 0);  // of all but the worst
-    for (std::size_t k = 0; k < n; ++k) {
-      for (std::size_t i = 0; i < n; ++i) {
-        middle[i] += simplex[k].place[i] / static_cast<double>(n);
-      }
-    }
-    const auto along = [&](const std::vector<double>& from, const std::vector<double>& to,
-                           double way) {
-      std::vector<double> place(n);
-      for (std::size_t i = 0; i < n; ++i) place[i] = from[i] + way * (to[i] - from[i]);
-      return corner_at(place);
-    };
-    const Corner mirrored = along(middle, worst.place, -1);
-    if (mirrored.cost < best.cost) {
-      const Corner further = along(middle, worst.place, -2);
-      simplex.back() = further.cost < mirrored.cost ? further : mirrored;
-    } else if (mirrored.cost < simplex[n - 1].cost) {
-      simplex.back() = mirrored;
-    } else {
-      const Corner nearer = along(middle, worst.place, mirrored.cost < worst.cost ? -0.5 : 0.5);
-      if (nearer.cost < std::min(mirrored.cost, worst.cost)) {
-        simplex.back() = nearer;
-      } else {
-        for (std::size_t k = 1; k <= n; ++k) simplex[k] = along(best.place, simplex[k].place, 0.5);
-      }
-    }
-  }
-  set(simplex.front().place);
-}
 
 std::string row(const std::string& name, const Cases& cases) {
   const auto sizes = [](std::vector<double> values) {
@@ -265,23 +215,31 @@ std::string row(const std::string& name, const Cases& cases) {
   return text;
 }
 
-void fit_all(const std::string& name) {
-  const std::array<Cases, 2> halves = read(name);
-  const auto& [even, odd] = halves;
-  std::string rows = row("fitted half, before", even) + row("other half, before", odd);
-  fit("energy", energy, [&] { return albedo_cost(halves[0]); });
-  fit("lobes", lobes, [&] { return radiance_cost(halves[0]); });
-  rows += row("fitted half, after", even) + row("other half, after", odd);
-  std::printf("| constant | in the header | fitted |\n| --- | ---: | ---: |\n");
-  for (const auto& constants : {energy, lobes}) {
-    for (const Constant& constant : constants) {
-      std::printf("| %s | %g | %.4g |\n", constant.name, constant.in_header, *constant.value);
+void answer(const std::string& name) {
+  const auto [fitted, other] = read(name);
+  for (const Group& group : groups) {
+    std::printf("%s", group.name);
+    for (const Constant& constant : group.constants) {
+      std::printf(" %s %.17g", constant.name, *constant.value);
     }
+    std::printf("\n");
   }
-  std::printf(
-      "\n| | radiances | within 5 %% | within 10 %% | mean error, relative | albedos | error of M, "
-      "95 %% |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n%s",
-      rows.c_str());
+  std::fflush(stdout);
+  for (std::string line; std::getline(std::cin, line);) {
+    std::istringstream words(line);
+    std::string first, rest;
+    words >> first;
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const Group& each) { return each.name == first; });
+    if (group != groups.end()) {
+      for (const Constant& constant : group->constants) words >> *constant.value;
+      std::printf("%.17g\n", group->cost(fitted));
+    } else {
+      std::getline(words >> std::ws, rest);
+      std::printf("%s", row(rest, first == "errors" ? fitted : other).c_str());
+    }
+    std::fflush(stdout);
+  }
 }
 
 }  // namespace
@@ -291,10 +249,10 @@ int main(int argc, char** argv) {
   if (arguments.size() == 5 && arguments[0] == "trace") {
     trace(arguments[1], std::stoi(arguments[2]), std::stoul(arguments[3]),
           std::stoull(arguments[4]));
-  } else if (arguments.size() == 2 && arguments[0] == "fit") {
-    fit_all(arguments[1]);
+  } else if (arguments.size() == 2 && arguments[0] == "answer") {
+    answer(arguments[1]);
   } else {
-    std::fprintf(stderr, "mixture_fit trace FILE PAINTS PHOTONS SEED | mixture_fit fit FILE\n");
+    std::fprintf(stderr, "mixture_fit trace FILE PAINTS PHOTONS SEED | mixture_fit answer FILE\n");
     return 2;
   }
 }
