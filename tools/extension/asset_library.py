@@ -33,6 +33,7 @@ CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 def render_swatches(folder: Path, names: Sequence[str]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
+    scene.render.use_persistent_data = True  # the world is prepared once
     ball = scenes.small_swatch(scene)
     painted = material.create(render_scene.load_paint(presets.names()[0]))
     material.assign(ball, painted)

@@ -115,7 +115,7 @@ def _render_library(blender: Blender) -> None:
     digest = environments.digest_of(RENDERED_FROM)
     if stamp.is_file() and stamp.read_text() == digest:
         return
-    say("Rendering the presets for the asset library (1 minute, when they changed)…")
+    say("Rendering the presets for the asset library (2 to 4 minutes, when they changed)…")
     shutil.rmtree(RENDERED, ignore_errors=True)
     command = [blender.python, TOOLS, "extension.asset_library", "--out", RENDERED]
     names = sorted(file.stem for file in PRESETS.glob("*.json"))
