@@ -92,7 +92,9 @@ def _waits(found: Times) -> list[Row]:
         over_first("after a step of an object's property", shared["slider"], None),
         above("after a lamp's move", "move"),
         above("in each frame with a moving lamp", "frame"),
-        over_first("making the material, once in a file", paint["made"], None),
+        over_first(
+            "making the material of the source (the extension has it made)", paint["made"], None
+        ),
     ]
 
 
