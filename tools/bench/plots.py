@@ -21,6 +21,7 @@ METHODS = dict(zip((equal_error.PAINT, *equal_error.OTHERS), (COLOUR, DARK, "C1"
                    strict=True))  # fmt: skip
 GREY_LEVEL = 0.2  # linear
 MOST_LINEAR, MOST_TICKS = 32, 6  # of a curve whose every place is named
+NARROW = 1e3  # a scale on which there is room to name 1, 2 and 5 of each decade
 
 
 def draw_ratios(found: Sequence[Found], file: Path) -> None:
@@ -38,7 +39,8 @@ def draw_ratios(found: Sequence[Found], file: Path) -> None:
         axes.axvline(1, color=DARK, lw=0.8)
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        least, most = axes.get_xlim()
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if most < least * NARROW else (1,)))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_yticks(range(len(rows)), [row.quantity for row in rows])
         axes.invert_yaxis()
