@@ -234,9 +234,11 @@ void answer(const std::string& name) {
     if (group != groups.end()) {
       for (const Constant& constant : group->constants) words >> *constant.value;
       std::printf("%.17g\n", group->cost(fitted));
-    } else {
+    } else if (first == "errors" || first == "check") {
       std::getline(words >> std::ws, rest);
       std::printf("%s", row(rest, first == "errors" ? fitted : other).c_str());
+    } else {
+      throw std::runtime_error("mixture_fit does not know what to answer to: " + line);
     }
     std::fflush(stdout);
   }
