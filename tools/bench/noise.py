@@ -7,6 +7,7 @@ import dataclasses
 import math
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import bpy
 import numpy as np
@@ -18,7 +19,7 @@ from pictures.render_scene import say
 from verification import scenes
 
 from bench import materials
-from bench.rows import Row, ratios
+from bench.rows import Row, by_turns, ratios
 from bench.stage import THREADS
 
 PRESETS = ("silver-fine", "candy-red", "white-pearl", "silver-coarse")
@@ -174,10 +175,8 @@ def noise(quick: bool) -> Iterator[Row]:
     for lit, light in LIGHTS.items():
         say(f"  under {lit}")
         ball = Ball(light, contenders, size)
-        seconds: dict[str, list[float]] = {name: [] for name in ball.balls}
-        for _ in range(ROUNDS):
-            for name, taken in seconds.items():
-                taken.append(ball.seconds(name, 16 if quick else 64))
+        timed = 16 if quick else 64
+        seconds = by_turns(ball.balls, partial(ball.seconds, samples=timed), ROUNDS)
         slower = {name: ratios(seconds[name], seconds[PRINCIPLED]) for name in PRESETS}
         for samples in (16, 256):
             found = {name: ball.noise(name, samples) for name in ball.balls}

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -80,6 +80,17 @@ def read(path: Path) -> list[Found]:
         Found(part["part"], part["blender"], [Row(**row) for row in part["rows"]])
         for part in json.loads(path.read_text(encoding="utf-8"))
     ]
+
+
+def by_turns(
+    names: Iterable[str], measure: Callable[[str], float], repetitions: int
+) -> dict[str, list[float]]:
+    """What is measured of each, one after the other and round again."""
+    found: dict[str, list[float]] = {name: [] for name in names}
+    for _ in range(repetitions):
+        for name, taken in found.items():
+            taken.append(measure(name))
+    return found
 
 
 def ratios(numerators: Sequence[float], denominators: Sequence[float]) -> list[float]:

@@ -18,6 +18,8 @@ from metallic_paint import verify
 from metallic_paint.paint import material
 from metallic_paint.scene import needs
 
+from bench.rows import by_turns
+
 WIDTH = 0.2  # m, what a picture shows
 THREADS = 2
 TOWARDS_CAMERA = Vector((0.1, -math.cos(math.radians(50)), math.sin(math.radians(50)))).normalized()
@@ -144,9 +146,5 @@ class Stage:
         return (whole - start) / (count * pixels)
 
     def race(self, samples: int, repetitions: int) -> dict[str, list[float]]:
-        """Of every view, per sample, one after the other and round again."""
-        times: dict[str, list[float]] = {name: [] for name in self.views}
-        for _ in range(repetitions):
-            for name, taken in times.items():
-                taken.append(self.per_sample(name, samples))
-        return times
+        """Of every view, per sample, by turns."""
+        return by_turns(self.views, lambda name: self.per_sample(name, samples), repetitions)
