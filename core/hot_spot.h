@@ -25,7 +25,10 @@
 // e^-x'z, but for h = kappa c (2 - G):
 //   E[s^2] = A(2 x' - h),  A(x) = (1 - e^-x)/x,
 // as if the part h of the depth took flakes away whole, and the part x' - h dimmed those that are
-// left. So they are drawn, and E[s^n] = A(n x' - (n - 1) h).
+// left. So they are drawn, and E[s^n] = A(n x' - (n - 1) h). A flake that transmits t and lies on i
+// ways of one point and j of the other takes (1 - t^i)(1 - t^j) from the sum of both points'
+// depths: (1 - t)^2 on one way, (1 - t^2)^2 on both. The latter is more by b in all:
+//   h = kappa (c (2 - G) + b G).
 #pragma once
 
 #include <algorithm>
@@ -139,14 +142,14 @@ template <class T>
 T hidden_whole(const Layer<T>& layer, const Flakes<T>& flakes, Rgb<T> x, Rgb<T> shared) {
   if (layer.depth_model != DepthModel::correlated) return T(0);
   const T one_way = hidden_one_way(layer, flakes.diameter);
-  const auto hidden = [&](T depth, T both, T blocking) {
+  const auto hidden = [&](T depth, T both, T blocking, T again) {
     const T c = min(blocking, (depth + both) * T(0.5));
     const T share = clamp(both / max(c, T(1e-30)), T(0), T(1));
-    return min(hidden_at_once(one_way, share) * (c * (2 - share)), depth);
+    return min(hidden_at_once(one_way, share) * (c * (2 - share) + again * share), depth);
   };
-  const Rgb<T> c = layer.shared_blocking;
-  return min(min(hidden(x.x, shared.x, c.x), hidden(x.y, shared.y, c.y)),
-             hidden(x.z, shared.z, c.z));
+  const Rgb<T> c = layer.shared_blocking, b = layer.blocking_again;
+  return min(min(hidden(x.x, shared.x, c.x, b.x), hidden(x.y, shared.y, c.y, b.y)),
+             hidden(x.z, shared.z, c.z, b.z));
 }
 
 // delta of two unit vectors away from the surface, outside; g is eta times a cosine in the binder.

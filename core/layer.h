@@ -54,9 +54,9 @@ struct Layer {
   T eta;
   Rgb<T> binder_depth;  // H ((16 pi/3) c1 + kappa)
   T rayleigh_depth;     // H (16 pi/3) c1
-  // Of hot_spot.h: c for each colour, and of each species its share of what all cover, its D in m,
-  // H/D, and over D how far below the layer the substrate lies.
-  Rgb<T> shared_blocking;
+  // Of hot_spot.h: c and b for each colour, and of each species its share of what all cover, its D
+  // in m, H/D, and over D how far below the layer the substrate lies.
+  Rgb<T> shared_blocking, blocking_again;
   std::array<T, kSpecies> hiding, diameters, thickness_in_flakes, gap_in_flakes;
   T haze;  // solid angle of tilts of the coat's facets, for each way through it
   DepthModel depth_model;
@@ -113,6 +113,13 @@ Rgb<T> shared_blocking_of(const Flakes<T>& flakes) {
   return kept * kept * (flakes.coverage * flakes.orientation.mean_cos);
 }
 
+// D H <S> <cos(beta)> ((1 - t_p^2)^2 - (1 - t_p)^2).
+template <class T>
+Rgb<T> blocking_again_of(const Flakes<T>& flakes) {
+  const Rgb<T> t = usual_transmittance(flakes);
+  return shared_blocking_of(flakes) * t * (grey(T(2)) + t);
+}
+
 // How far the lowest of these flakes reach below the layer, in which their centres lie. Of some
 // thousands one has a sin(beta) of 2.5 sqrt(1 - <cos(beta)>^2).
 template <class T>
@@ -129,7 +136,7 @@ Layer<T> make_layer(const Paint& paint) {
   layer.eta = static_cast<T>(paint.binder_ior);
   layer.species = 1;
   layer.coverage = 0;
-  layer.shared_blocking = {};
+  layer.shared_blocking = layer.blocking_again = {};
   T gap = 0;
   for (int i = 0; i < kSpecies; ++i) {
     Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
@@ -137,6 +144,7 @@ Layer<T> make_layer(const Paint& paint) {
     if (flakes.areal_density > 0) layer.species = i + 1;
     layer.coverage += flakes.coverage;
     layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes);
+    layer.blocking_again = layer.blocking_again + blocking_again_of(flakes);
     if (flakes.coverage > 0) gap = max(gap, reach_below(flakes));
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3

@@ -102,7 +102,8 @@ float hidden_whole(Layer layer, Flakes flakes, color x, color shared)
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
     color c = min(layer.shared_blocking, (x + shared) * 0.5);
     color share = min(max(shared / max(c, color(1e-30)), color(0.0)), color(1.0));
-    color hidden = min(hidden_at_once(hidden_one_way(layer, flakes.diameter), share) * (c * (color(2.0) - share)), x);
+    color whole = c * (color(2.0) - share) + layer.blocking_again * share;
+    color hidden = min(hidden_at_once(hidden_one_way(layer, flakes.diameter), share) * whole, x);
     h = min(min(hidden[0], hidden[1]), hidden[2]);
   }
   return h;

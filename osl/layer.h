@@ -46,6 +46,7 @@ struct Layer {
   color binder_depth;
   float rayleigh_depth;
   color shared_blocking;
+  color blocking_again;
   color hiding;
   color diameters;
   color thickness_in_flakes;
@@ -102,6 +103,12 @@ color shared_blocking_of(Flakes some, float library[])
 {
   color kept = color(1.0) - usual_transmittance(some, library);
   return kept * kept * (some.coverage * some.orientation.mean_cos);
+}
+
+color blocking_again_of(Flakes some, float library[])
+{
+  color t = usual_transmittance(some, library);
+  return shared_blocking_of(some, library) * t * (color(2.0) + t);
 }
 
 float reach_below(Flakes some)
@@ -179,6 +186,8 @@ Layer make_layer(Paint given, Flakes first, Flakes second, Flakes third, float l
   layer.coverage = covered[0] + covered[1] + covered[2];
   layer.shared_blocking = shared_blocking_of(first, library) + shared_blocking_of(second, library) +
                           shared_blocking_of(third, library);
+  layer.blocking_again = blocking_again_of(first, library) + blocking_again_of(second, library) +
+                         blocking_again_of(third, library);
   layer.diameters = color(first.diameter, second.diameter, third.diameter);
   float gap = max(max(reach_below(first), reach_below(second)), reach_below(third));
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;

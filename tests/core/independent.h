@@ -335,8 +335,10 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
       const Vector between = to_view + -1 * to_light;
       const Real diameter = std::sqrt(4 * scene.flake_area / kPi);
       const Real widths = std::sqrt(dot(between, between)) * scene.thickness / diameter;
-      const Real opaque = 1 - scene.transmittance[i];
-      const Real shared = coverage * known.area_above * opaque * opaque;
+      const Real passing = scene.transmittance[i];
+      const Real once = (1 - passing) * (1 - passing);
+      const Real twice = (1 - passing * passing) * (1 - passing * passing);
+      const Real shared = coverage * known.area_above * once;
       const Real y = widths / (1 + 0.0971L * result.depth[at]);
       const Real far = 1.8717L / (1 + 0.1464L * result.depth[at]);
       const Real share = (1 + 1.6392L * y) / (1 + 2.0389L * y + far * y * y);
@@ -345,7 +347,8 @@ inline Result sparkles(const Scene& scene, const Orientations& known) {
       const Real alone = 1 / (1 + 0.3259L + 0.8235L);
       const Real more = (1 - alone) * (0.74L + 0.45L * alone);
       const Real together = alone + more * share * (1 - share);
-      hidden = std::min(hidden, together * shared * (2 - share));
+      const Real apart = 2 * once * (1 - share) + twice * share;
+      hidden = std::min(hidden, together * coverage * known.area_above * apart);
     }
     kept[at] = averaged(result.depth[at]);
   }

@@ -132,6 +132,7 @@ void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("binder_depth", shader.binder_depth, core.binder_depth);
   same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
   same("shared_blocking", shader.shared_blocking, core.shared_blocking);
+  same("blocking_again", shader.blocking_again, core.blocking_again);
   const auto each = [](const std::array<float, kSpecies>& of) {
     return Vec3<float>{of[0], of[1], of[2]};
   };
