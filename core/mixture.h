@@ -50,9 +50,9 @@
 //   r_s + E + M - 1, lossless paints (800)       0.006   0.004   0.002   0.0003
 //   likewise, pearls on mica (800)               0.005   0.003   0.002   0.0002
 //   likewise, pearls on silica (800)             0.013   0.008   0.004   0.0004
-//   lossless paints, correlated (1000)           0.028   0.017   0.006   0.0004
-//   likewise, pearls on mica (1000)              0.015   0.006   0.003   0.0002
-//   likewise, pearls on silica (1000)            0.021   0.014   0.007   0.0005
+//   lossless paints, correlated (1000)           0.018   0.010   0.005   0.0004
+//   likewise, pearls on mica (1000)              0.008   0.005   0.002   0.0002
+//   likewise, pearls on silica (1000)            0.016   0.008   0.005   0.0004
 //   L* by angle, single flakes and M (200)        17      7.5     3.3     0.46
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
@@ -176,16 +176,13 @@ struct Mirroring {
   T escaping{};  // of that, what it does let out
   // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
   T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
-  T in_common{};  // likewise G of hot_spot.h
+  T in_common{}, in_common2{};  // likewise G of hot_spot.h, and its square
 };
 
-// Up to this tilt one point over beta does in the first of two pieces and two in the other, but not
-// for the long tail of ggx. Of 24 seeds the root mean square of M's error is within 0.4 % of that
-// with two in each; with one in each, lossless paints are up to 0.1 off 1. docs/fits.md has three
-// everywhere.
+// Up to this tilt two points over beta do in each of two pieces, but not for the long tail of ggx.
+// docs/fits.md has three everywhere. With one in the first piece G, which falls steeply about the
+// view, is too small seen from the normal, and lossless correlated paints are up to 0.03 off 1.
 inline constexpr double kNarrowTilt = 0.25;
-// The one point, at the deviate 1 - 1/e of the piece: exact for what is linear in beta^2.
-inline constexpr double kLoneNode = 0.393469340287366576396, kLoneWeight = 0.824360635350064073424;
 
 // Of an arc over the azimuth: two points, as of Gauss in x, where the azimuth is x + a x (1 - x) of
 // the limit, a = 0.65. At the limit the surface begins to let light out, as a root; a = 1 would be
@@ -229,10 +226,10 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
     from = to;
     if (!(width > T(kFewFlakes)) || (piece == 0 && cos_in <= critical)) continue;
     const T shown = width * min(width / T(kFewFlakes) - 1, T(1));
-    const int points = !narrow ? 3 : piece == 0 ? 1 : 2;
+    const int points = narrow ? 2 : 3;
     for (int i = 0; i < points; ++i) {
-      const T x = points == 3 ? kMixtureNode<T>[i] : points == 2 ? kPairNode<T>[i] : T(kLoneNode);
-      const T weight = points == 3 ? kMixtureWeight<T>[i] : points == 2 ? T(0.5) : T(kLoneWeight);
+      const T x = narrow ? kPairNode<T>[i] : kMixtureNode<T>[i];
+      const T weight = narrow ? T(0.5) : kMixtureWeight<T>[i];
       const T place = piece == 0 ? x * (2 - x) : x * x * (3 - 2 * x);
       const T slope = piece == 0 ? 2 * (1 - x) : 6 * x * (1 - x);
       const SampledTilt<T> tilt = sample_tilt(density, begin + span * place);
@@ -275,7 +272,9 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           const T apart = sin_in * (way_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
           const T delta = sqrt(apart * apart + aside);
-          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
+          const T shared = share_in_common(layer, delta, flakes_alone);
+          sum.in_common = sum.in_common + escaping * shared;
+          sum.in_common2 = sum.in_common2 + escaping * shared * shared;
         }
       }
     }
@@ -336,8 +335,8 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
 
 // r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
 // angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine is the
-// one that linear regression expects. E is within 0.010 of the lobe's integral, in 95 % within
-// 0.002 (2000 cases, docs/fits.md).
+// one that linear regression expects. Correlated, G is taken at a deviation on either side too. E
+// is within 0.010 of the lobe's integral, in 95 % within 0.002 (2000 cases, docs/fits.md).
 template <class T>
 SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
                             const Mirroring<T>& mirrored, Rgb<T> slant_view) {
@@ -361,9 +360,14 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
     const auto passed = [](T x) { return mean_transmittance(x); };
     sum.independent = sum.independent + r * map(slant_view + slant_out, passed);
     if (layer.depth_model == DepthModel::correlated) {
-      const Rgb<T> slant = less_in_common(layer, slant_view + slant_out,
-                                          grey(mirrored.in_common / mirrored.escaping));
-      sum.correlated = sum.correlated + r * map(slant, passed);
+      const T in_common = mirrored.in_common / mirrored.escaping;
+      const T variance = mirrored.in_common2 / mirrored.escaping - in_common * in_common;
+      const T apart = sqrt(max(variance, T(0)));
+      const auto dimmed = [&](T shared) {
+        return map(less_in_common(layer, slant_view + slant_out, grey(shared)), passed);
+      };
+      sum.correlated =
+          sum.correlated + r * ((dimmed(in_common + apart) + dimmed(in_common - apart)) * T(0.5));
     }
     deviation = -deviation;
     shift = -shift;

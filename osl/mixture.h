@@ -18,8 +18,6 @@
 #define EDGE_ABSORPTION 1.25
 #define FEW_FLAKES 1e-3
 #define NARROW_TILT 0.25
-#define LONE_NODE 0.39346934
-#define LONE_WEIGHT 0.824360635
 #define PAIR_NODE 0.211324865
 #define PAIR_OTHER 0.788675135
 
@@ -102,6 +100,7 @@ struct Mirroring {
   float cos2_alpha;
   float cos_alpha_exit;
   float in_common;
+  float in_common2;
 };
 
 Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in)
@@ -114,6 +113,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   sum.cos2_alpha = 0.0;
   sum.cos_alpha_exit = 0.0;
   sum.in_common = 0.0;
+  sum.in_common2 = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -143,17 +143,16 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
     float shown = width * min(width / FEW_FLAKES - 1.0, 1.0);
-    int points = MIXTURE_POINTS;
-    if (narrow)
-      points = 1 + piece;
+    int points = 2;
+    if (!narrow)
+      points = MIXTURE_POINTS;
     for (int i = 0; i < points; ++i) {
-      float x = LONE_NODE;
-      float part = LONE_WEIGHT;
-      if (points == 2) {
+      float x = 0.0;
+      float part = 0.5;
+      if (narrow) {
         x = pair[i];
-        part = 0.5;
       }
-      if (!narrow) {
+      else {
         x = node[i];
         part = weight[i];
       }
@@ -204,7 +203,9 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
           float delta = sqrt(apart * apart + aside);
-          sum.in_common = sum.in_common + escaping * share_in_common(layer, delta, flakes_alone);
+          float in_common = share_in_common(layer, delta, flakes_alone);
+          sum.in_common = sum.in_common + escaping * in_common;
+          sum.in_common2 = sum.in_common2 + escaping * in_common * in_common;
         }
       }
     }
@@ -304,8 +305,12 @@ SingleShares mean_single(Layer layer, Coating coating, float library[], Mirrorin
     color r = coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0));
     sum.independent = sum.independent + r * mean_transmittance(slant_view + slant_out);
     if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-      color slant = less_in_common(layer, slant_view + slant_out, color(mirrored.in_common / mirrored.escaping));
-      sum.correlated = sum.correlated + r * mean_transmittance(slant);
+      float in_common = mirrored.in_common / mirrored.escaping;
+      float apart = sqrt(max(mirrored.in_common2 / mirrored.escaping - in_common * in_common, 0.0));
+      color both = slant_view + slant_out;
+      color more = mean_transmittance(less_in_common(layer, both, color(in_common + apart)));
+      color less = mean_transmittance(less_in_common(layer, both, color(in_common - apart)));
+      sum.correlated = sum.correlated + r * ((more + less) * 0.5);
     }
     deviation = -deviation;
     shift = -shift;
