@@ -108,16 +108,18 @@ Rgb<T> usual_transmittance(const Flakes<T>& flakes) {
 
 // D H <S> <cos(beta)> (1 - t_p)^2.
 template <class T>
-Rgb<T> shared_blocking_of(const Flakes<T>& flakes) {
-  const Rgb<T> kept = grey(T(1)) - usual_transmittance(flakes);
+Rgb<T> shared_blocking_of(const Flakes<T>& flakes, Rgb<T> transmitted) {
+  const Rgb<T> kept = grey(T(1)) - transmitted;
   return kept * kept * (flakes.coverage * flakes.orientation.mean_cos);
 }
 
-// D H <S> <cos(beta)> ((1 - t_p^2)^2 - (1 - t_p)^2).
+// b has (1 - t_p^2)^2 - (1 - t_p)^2 in place of that square.
 template <class T>
-Rgb<T> blocking_again_of(const Flakes<T>& flakes) {
-  const Rgb<T> t = usual_transmittance(flakes);
-  return shared_blocking_of(flakes) * t * (grey(T(2)) + t);
+void add_blocking(Layer<T>& layer, const Flakes<T>& flakes) {
+  const Rgb<T> transmitted = usual_transmittance(flakes);
+  const Rgb<T> blocking = shared_blocking_of(flakes, transmitted);
+  layer.shared_blocking = layer.shared_blocking + blocking;
+  layer.blocking_again = layer.blocking_again + blocking * transmitted * (grey(T(2)) + transmitted);
 }
 
 // How far the lowest of these flakes reach below the layer, in which their centres lie. Of some
@@ -143,8 +145,7 @@ Layer<T> make_layer(const Paint& paint) {
     flakes = make_flakes(paint.species(i), layer.eta, paint.diffraction);
     if (flakes.areal_density > 0) layer.species = i + 1;
     layer.coverage += flakes.coverage;
-    layer.shared_blocking = layer.shared_blocking + shared_blocking_of(flakes);
-    layer.blocking_again = layer.blocking_again + blocking_again_of(flakes);
+    add_blocking(layer, flakes);
     if (flakes.coverage > 0) gap = max(gap, reach_below(flakes));
   }
   const T rayleigh = T(16.7551608191455638468L) * static_cast<T>(paint.rayleigh_per_mm);  // 16 pi/3

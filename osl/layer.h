@@ -99,16 +99,18 @@ color usual_transmittance(Flakes some, float library[])
   return coating_transmittance(some.coating, library, 0.9);
 }
 
-color shared_blocking_of(Flakes some, float library[])
+color shared_blocking_of(Flakes some, color transmitted)
 {
-  color kept = color(1.0) - usual_transmittance(some, library);
+  color kept = color(1.0) - transmitted;
   return kept * kept * (some.coverage * some.orientation.mean_cos);
 }
 
-color blocking_again_of(Flakes some, float library[])
+void add_blocking(output Layer layer, Flakes some, float library[])
 {
-  color t = usual_transmittance(some, library);
-  return shared_blocking_of(some, library) * t * (color(2.0) + t);
+  color transmitted = usual_transmittance(some, library);
+  color blocking = shared_blocking_of(some, transmitted);
+  layer.shared_blocking = layer.shared_blocking + blocking;
+  layer.blocking_again = layer.blocking_again + blocking * transmitted * (color(2.0) + transmitted);
 }
 
 float reach_below(Flakes some)
@@ -184,10 +186,11 @@ Layer make_layer(Paint given, Flakes first, Flakes second, Flakes third, float l
   layer.unlike = unlike_in(layer.species, first, second, third);
   color covered = color(first.coverage, second.coverage, third.coverage);
   layer.coverage = covered[0] + covered[1] + covered[2];
-  layer.shared_blocking = shared_blocking_of(first, library) + shared_blocking_of(second, library) +
-                          shared_blocking_of(third, library);
-  layer.blocking_again = blocking_again_of(first, library) + blocking_again_of(second, library) +
-                         blocking_again_of(third, library);
+  layer.shared_blocking = color(0.0);
+  layer.blocking_again = color(0.0);
+  add_blocking(layer, first, library);
+  add_blocking(layer, second, library);
+  add_blocking(layer, third, library);
   layer.diameters = color(first.diameter, second.diameter, third.diameter);
   float gap = max(max(reach_below(first), reach_below(second)), reach_below(third));
   float rayleigh = 16.7551608 * given.rayleigh_per_mm;

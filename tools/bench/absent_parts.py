@@ -55,9 +55,8 @@ def one_species(text: str) -> str:
     text = cut("  Flakes second;\n  if (Second", "  Layer flake_layer = make_layer",
                "  Flakes second = no_such_flakes();\n  Flakes third = second;\n")(text)  # fmt: skip
     text = cut("  if (second.areal_density > 0.0)\n    layer", "  layer.first = first;")(text)
-    for of in ("shared_blocking_of", "blocking_again_of"):
-        text = replace(f" + {of}(second, library) +\n", "")(text)
-        text = replace(f" {of}(third, library)", "")(text)
+    for more in ("second", "third"):
+        text = replace(f"  add_blocking(layer, {more}, library);\n", "")(text)
     return text
 
 
