@@ -105,7 +105,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   // A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
-  if (!way.given) expected.hidden = hidden_whole(layer, flakes, way.slant, way.shared);
+  if (!way.given) expected.hidden = hidden_whole(layer, flakes, way.slant, way.ways);
   expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.

@@ -13,7 +13,8 @@
 //   P(z) = exp(-x z + c z K(w z)),  K(y) = integral of O(y t) over t in [0, 1],  w = delta H/D,
 // where x is the optical depth there and back. Tilted flakes have c = D H <S> <cos(beta)>, what
 // either way meets where it meets no flake's back. A flake that transmits t is met twice by one
-// ray: it shares (1 - t)^2. Of several species G is the mean over what they cover.
+// ray: it shares (1 - t)^2. Each species has its own G; together they have its mean over what they
+// cover.
 //
 // Everything else takes an optical depth as before: the x' = x - c G(w, x) that leaves the same
 // mean,
@@ -29,6 +30,7 @@
 // ways of one point and j of the other takes (1 - t^i)(1 - t^j) from the sum of both points'
 // depths: (1 - t)^2 on one way, (1 - t^2)^2 on both. The latter is more by b in all:
 //   h = kappa (c (2 - G) + b G).
+// Of several species it is the mean over what they cover, as G is.
 #pragma once
 
 #include <algorithm>
@@ -55,18 +57,8 @@ T hidden_one_way(T r) {
   return 1 / (1 + r * (T(0.3259) + T(0.8235) * r));
 }
 
-// Likewise among all species, each by what it covers.
-template <class T>
-T hidden_one_way(const Layer<T>& layer, T diameter) {
-  T sum = 0;
-  for (std::size_t i = 0; i < kSpecies; ++i) {
-    sum = sum + layer.hiding[i] * hidden_one_way(diameter / layer.diameters[i]);
-  }
-  return sum;
-}
-
 // kappa of G. Fitted to four discs' union: for c of 0.1 to 3, w above 0.05, x - 2 c of 0 to 5 and r
-// of 0.4 to 2.5 E[s^2] is within 3.5 %, for r of 0.05 to 20 within 4.5 %; of two species within 7 %
+// of 0.4 to 2.5 E[s^2] is within 4 %, for r of 0.05 to 20 within 4.5 %; of two species within 3.5 %
 // (docs/fits.md).
 template <class T>
 T hidden_at_once(T one_way, T share) {
@@ -74,19 +66,44 @@ T hidden_at_once(T one_way, T share) {
   return one_way + more * (share * (1 - share));
 }
 
-// G of delta: each species hides by its own width.
-template <class T>
-T share_in_common(const Layer<T>& layer, T delta, T x) {
-  const auto of = [&](std::size_t i) {
-    return share_in_common(min(delta * layer.thickness_in_flakes[i], T(1e9)), x);
-  };
-  if (layer.species == 1) return of(0);
-  T sum = 0;
-  for (int i = 0; i < layer.species; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i);
-    sum = sum + layer.hiding[at] * of(at);
+// The mean of numbers or colours over the species, by what each covers.
+template <class T, class Of>
+auto among_species(const Layer<T>& layer, const Of& of) {
+  if (layer.species == 1) return of(std::size_t{0});
+  auto sum = of(std::size_t{0}) * layer.hiding[0];
+  for (std::size_t i = 1; i < static_cast<std::size_t>(layer.species); ++i) {
+    sum = sum + of(i) * layer.hiding[i];
   }
   return sum;
+}
+
+// G of delta of a species: it hides by its own width.
+template <class T>
+T share_in_common(const Layer<T>& layer, std::size_t species, T delta, T x) {
+  return share_in_common(min(delta * layer.thickness_in_flakes[species], T(1e9)), x);
+}
+
+template <class T>
+T share_in_common(const Layer<T>& layer, T delta, T x) {
+  return among_species(layer, [&](std::size_t i) { return share_in_common(layer, i, delta, x); });
+}
+
+// The ways there and back of a light in the binder: the sum of their optical depths, and G of each
+// species.
+template <class T>
+struct BothWays {
+  Rgb<T> sum{};
+  std::array<Rgb<T>, kSpecies> shared{};
+};
+
+template <class T>
+BothWays<T> both_ways(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_slant, T delta) {
+  BothWays<T> ways{view_slant + light_slant, {}};
+  if (layer.depth_model != DepthModel::correlated) return ways;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
+    ways.shared[i] = map(ways.sum, [&](T x) { return share_in_common(layer, i, delta, x); });
+  }
+  return ways;
 }
 
 // What the substrate scatters straight back comes and goes by the same holes. It lies g below the
@@ -107,49 +124,49 @@ T holes_in_common(T w, T g) {
 
 template <class T>
 T holes_in_common(const Layer<T>& layer, T delta) {
-  const auto of = [&](std::size_t i) {
+  return among_species(layer, [&](std::size_t i) {
     return holes_in_common(min(delta * layer.thickness_in_flakes[i], T(1e9)),
                            min(delta * layer.gap_in_flakes[i], T(1e9)));
-  };
-  if (layer.species == 1) return of(0);
-  T sum = 0;
-  for (int i = 0; i < layer.species; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i);
-    sum = sum + layer.hiding[at] * of(at);
-  }
-  return sum;
+  });
 }
 
 // x' of x and G. No more is shared than either way has: t_p at another angle may say otherwise.
 template <class T>
 Rgb<T> less_in_common(const Layer<T>& layer, Rgb<T> x, Rgb<T> share) {
-  const Rgb<T> c = layer.shared_blocking;
-  return x - Rgb<T>{min(c.x, x.x * T(0.5)), min(c.y, x.y * T(0.5)), min(c.z, x.z * T(0.5))} * share;
+  return x - least(layer.shared_blocking, x * T(0.5)) * share;
 }
 
-// The optical depth there and back of a light in the binder.
+template <class T>
+Rgb<T> share_in_common(const Layer<T>& layer, const BothWays<T>& ways) {
+  return among_species(layer, [&](std::size_t i) { return ways.shared[i]; });
+}
+
+// Their optical depth as one.
+template <class T>
+Rgb<T> there_and_back(const Layer<T>& layer, const BothWays<T>& ways) {
+  if (layer.depth_model != DepthModel::correlated) return ways.sum;
+  return less_in_common(layer, ways.sum, share_in_common(layer, ways));
+}
+
 template <class T>
 Rgb<T> there_and_back(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_slant, T delta) {
-  const Rgb<T> x = view_slant + light_slant;
-  if (layer.depth_model != DepthModel::correlated) return x;
-  return less_in_common(layer, x,
-                        map(x, [&](T depth) { return share_in_common(layer, delta, depth); }));
+  return there_and_back(layer, both_ways(layer, view_slant, light_slant, delta));
 }
 
-// h of the flakes of a species: one number for all colours, the least of theirs. `x` is the depth
-// there and back, `shared` = c G what it lacks of both ways' sum.
+// h of the flakes of a species: one number for all colours, the least of theirs. `x` is these ways'
+// depth as one.
 template <class T>
-T hidden_whole(const Layer<T>& layer, const Flakes<T>& flakes, Rgb<T> x, Rgb<T> shared) {
+T hidden_whole(const Layer<T>& layer, const Flakes<T>& flakes, Rgb<T> x, const BothWays<T>& ways) {
   if (layer.depth_model != DepthModel::correlated) return T(0);
-  const T one_way = hidden_one_way(layer, flakes.diameter);
-  const auto hidden = [&](T depth, T both, T blocking, T again) {
-    const T c = min(blocking, (depth + both) * T(0.5));
-    const T share = clamp(both / max(c, T(1e-30)), T(0), T(1));
-    return min(hidden_at_once(one_way, share) * (c * (2 - share) + again * share), depth);
-  };
-  const Rgb<T> c = layer.shared_blocking, b = layer.blocking_again;
-  return min(min(hidden(x.x, shared.x, c.x, b.x), hidden(x.y, shared.y, c.y, b.y)),
-             hidden(x.z, shared.z, c.z, b.z));
+  const Rgb<T> b = layer.blocking_again, c = least(layer.shared_blocking, ways.sum * T(0.5));
+  const Rgb<T> hidden = among_species(layer, [&](std::size_t i) {
+    const T one_way = hidden_one_way(flakes.diameter / layer.diameters[i]);
+    const Rgb<T> share = ways.shared[i];
+    return map(share, [&](T g) { return hidden_at_once(one_way, g); }) *
+           (c * (grey(T(2)) - share) + b * share);
+  });
+  const Rgb<T> h = least(hidden, x);
+  return min(min(h.x, h.y), h.z);
 }
 
 // delta of two unit vectors away from the surface, outside; g is eta times a cosine in the binder.

@@ -60,7 +60,7 @@ struct Passage {
   T breadth{}, apart = 1;  // of the light
   Outline<T> outline{};    // of one that is flat
   Rgb<T> slant{};          // optical depth of the layer, there and back: t H
-  Rgb<T> shared{};         // what that lacks of the sum of both ways'
+  BothWays<T> ways{};
 };
 
 // `slant` overrides the layer's own optical depth t H where it is given (validation against other
@@ -120,8 +120,8 @@ Passage<T> pass_between(const Layer<T>& layer, const SurfacePoint<T>& point,
     way.given = true;
   } else {
     const Rgb<T> in = slant_depth_of(layer, cos_view_in), out = slant_depth_of(layer, cos_light_in);
-    way.slant = there_and_back(layer, in, out, apart);
-    way.shared = (in + out) - way.slant;
+    way.ways = both_ways(layer, in, out, apart);
+    way.slant = there_and_back(layer, way.ways);
   }
   way.surface = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                 fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);

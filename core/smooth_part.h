@@ -150,8 +150,7 @@ MiddleOfLobe<T> middle_of_lobe(const Layer<T>& layer, const FlakesSeen<T>& seen,
   MiddleOfLobe<T> middle{slant * cos_in, {}};
   if (layer.depth_model == DepthModel::correlated) {
     const T apart = ways_apart(seen.normal, seen.tangent, T(0), seen.g, light, cos_light, g);
-    middle.in_common =
-        map(seen.slant + slant, [&](T depth) { return share_in_common(layer, apart, depth); });
+    middle.in_common = share_in_common(layer, both_ways(layer, seen.slant, slant, apart));
   }
   return middle;
 }

@@ -96,7 +96,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   expected.share = sparkling_share(way.breadth, way.apart, turned_by(flakes, layer.eta));
   expected.mirror = expected.reflectance * (expected.ceiling * expected.share);
   expected.slant = way.slant;
-  expected.hidden = hidden_whole(layer, flakes, way.slant, way.shared);
+  expected.hidden = hidden_whole(layer, flakes, way.slant, way.ways);
   expected.transmitted = mean_transmittance(expected.slant);
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);

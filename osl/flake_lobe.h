@@ -15,7 +15,7 @@
 #define LOBE_SPREAD 0.33
 #define WIDEST_LOBE 0.1
 #define GIVEN_TO_LOBE 0.03
-#define FLAKES_BESIDE 3
+#define FLAKES_BESIDE 2
 #define FLAKES_LEANING 5
 
 struct MirroredSample {

@@ -22,31 +22,15 @@ color share_in_common(float w, color x)
   return share;
 }
 
-color hidden_one_way(color r)
+float hidden_one_way(float r)
 {
-  return color(1.0) / (color(1.0) + r * (color(0.3259) + 0.8235 * r));
-}
-
-float hidden_one_way(Layer layer, float diameter)
-{
-  color hidden = layer.hiding * hidden_one_way(color(diameter) / layer.diameters);
-  return hidden[0] + hidden[1] + hidden[2];
+  return 1.0 / (1.0 + r * (0.3259 + 0.8235 * r));
 }
 
 color hidden_at_once(float one_way, color share)
 {
   float more = (1.0 - one_way) * (0.74 + 0.45 * one_way);
   return color(one_way) + more * (share * (color(1.0) - share));
-}
-
-color share_in_common(Layer layer, float delta, color x)
-{
-  color sum = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), x);
-  if (layer.species > 1)
-    sum = layer.hiding[0] * sum + layer.hiding[1] * share_in_common(min(delta * layer.thickness_in_flakes[1], 1e9), x);
-  if (layer.species > 2)
-    sum = sum + layer.hiding[2] * share_in_common(min(delta * layer.thickness_in_flakes[2], 1e9), x);
-  return sum;
 }
 
 float share_in_common(Layer layer, float delta, float x)
@@ -88,22 +72,71 @@ color less_in_common(Layer layer, color x, color share)
   return x - min(layer.shared_blocking, x * 0.5) * share;
 }
 
-color there_and_back(Layer layer, color view_slant, color light_slant, float delta)
+struct BothWays {
+  color sum;
+  color first;
+  color second;
+  color third;
+};
+
+BothWays both_ways(Layer layer, color view_slant, color light_slant, float delta)
 {
-  color x = view_slant + light_slant;
+  BothWays ways;
+  ways.sum = view_slant + light_slant;
+  ways.first = color(0.0);
+  ways.second = color(0.0);
+  ways.third = color(0.0);
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
+    ways.first = share_in_common(min(delta * layer.thickness_in_flakes[0], 1e9), ways.sum);
+    if (layer.species > 1)
+      ways.second = share_in_common(min(delta * layer.thickness_in_flakes[1], 1e9), ways.sum);
+    if (layer.species > 2)
+      ways.third = share_in_common(min(delta * layer.thickness_in_flakes[2], 1e9), ways.sum);
+  }
+  return ways;
+}
+
+color share_in_common(Layer layer, BothWays ways)
+{
+  color sum = ways.first;
+  if (layer.species > 1)
+    sum = layer.hiding[0] * sum + layer.hiding[1] * ways.second;
+  if (layer.species > 2)
+    sum = sum + layer.hiding[2] * ways.third;
+  return sum;
+}
+
+color there_and_back(Layer layer, BothWays ways)
+{
+  color x = ways.sum;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
-    x = less_in_common(layer, x, share_in_common(layer, delta, x));
+    x = less_in_common(layer, x, share_in_common(layer, ways));
   return x;
 }
 
-float hidden_whole(Layer layer, Flakes flakes, color x, color shared)
+color there_and_back(Layer layer, color view_slant, color light_slant, float delta)
+{
+  return there_and_back(layer, both_ways(layer, view_slant, light_slant, delta));
+}
+
+// By one species.
+color hidden_whole(Layer layer, color c, color share, float r)
+{
+  return hidden_at_once(hidden_one_way(r), share) * (c * (color(2.0) - share) + layer.blocking_again * share);
+}
+
+float hidden_whole(Layer layer, Flakes flakes, color x, BothWays ways)
 {
   float h = 0.0;
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-    color c = min(layer.shared_blocking, (x + shared) * 0.5);
-    color share = min(max(shared / max(c, color(1e-30)), color(0.0)), color(1.0));
-    color whole = c * (color(2.0) - share) + layer.blocking_again * share;
-    color hidden = min(hidden_at_once(hidden_one_way(layer, flakes.diameter), share) * whole, x);
+    color c = min(layer.shared_blocking, ways.sum * 0.5);
+    color r = color(flakes.diameter) / layer.diameters;
+    color hidden = hidden_whole(layer, c, ways.first, r[0]);
+    if (layer.species > 1)
+      hidden = layer.hiding[0] * hidden + layer.hiding[1] * hidden_whole(layer, c, ways.second, r[1]);
+    if (layer.species > 2)
+      hidden = hidden + layer.hiding[2] * hidden_whole(layer, c, ways.third, r[2]);
+    hidden = min(hidden, x);
     h = min(min(hidden[0], hidden[1]), hidden[2]);
   }
   return h;

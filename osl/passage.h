@@ -41,7 +41,7 @@ struct Passage {
   float apart;
   Outline outline;
   color slant;
-  color shared;
+  BothWays ways;
 };
 
 // `flat`: whether any listed light is.
@@ -54,7 +54,6 @@ Passage pass_between(Layer layer, float library[], SurfacePoint surface, SeenLig
   way.surface_transmittance = 0.0;
   way.cos_exit = 1.0;
   way.slant = color(0.0);
-  way.shared = color(0.0);
   way.breadth = light.breadth;
   way.apart = light.apart;
   way.mirror.possible = 0;
@@ -96,8 +95,8 @@ Passage pass_between(Layer layer, float library[], SurfacePoint surface, SeenLig
   float apart = ways_apart(surface.n, surface.below, way.mirror.cos_view, way.mirror.g_view, direction,
                            way.mirror.cos_light, way.mirror.g_light);
   color out = slant_depth_of(layer, library, cos_light_in);
-  way.slant = there_and_back(layer, surface.slant, out, apart);
-  way.shared = (surface.slant + out) - way.slant;
+  way.ways = both_ways(layer, surface.slant, out, apart);
+  way.slant = there_and_back(layer, way.ways);
   way.surface_transmittance = fresnel_transmittance(way.mirror.cos_view, way.mirror.g_view, eta) *
                               fresnel_transmittance(way.mirror.cos_light, way.mirror.g_light, eta);
   return way;

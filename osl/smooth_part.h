@@ -149,7 +149,7 @@ MiddleOfLobe middle_of_lobe(Layer layer, float library[], FlakesSeen seen, vecto
   middle.in_common = color(0.0);
   if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
     float apart = ways_apart(seen.n, seen.tangent, 0.0, seen.g, light, cos_light, g);
-    middle.in_common = share_in_common(layer, apart, seen.slant + slant);
+    middle.in_common = share_in_common(layer, both_ways(layer, seen.slant, slant, apart));
   }
   return middle;
 }

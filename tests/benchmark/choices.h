@@ -111,8 +111,8 @@ class ModelOf : public Model {
                                    static_cast<T>(m.g_view), Vec3<T>(seen.direction),
                                    static_cast<T>(m.cos_light), static_cast<T>(m.g_light));
         const Rgb<T> in = tabulated_depth(m.g_view), out = tabulated_depth(m.g_light);
-        way.slant = there_and_back(layer_, in, out, apart);
-        way.shared = (in + out) - way.slant;
+        way.ways = both_ways(layer_, in, out, apart);
+        way.slant = there_and_back(layer_, way.ways);
         way.given = false;
       }
       return expect_sparkles(layer_, flakes, point.footprint, way);

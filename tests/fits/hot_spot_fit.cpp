@@ -192,14 +192,15 @@ void tell_two(Random& random, const char* name, bool each) {
     }
     double model = 0, exact = 0;
     for (const auto& [of, diameter] : all) {
-      double one_way = hidden_one_way(diameter);
+      double h = hidden_at_once(hidden_one_way(diameter), share) * c * (2 - share);
       if (each) {
-        one_way = 0;
+        h = 0;
         for (const Hiding& hiding : all) {
-          one_way += hiding.share * hidden_one_way(diameter / hiding.diameter);
+          const double own = share_in_common(w / hiding.diameter, x);
+          const double one_way = hidden_one_way(diameter / hiding.diameter);
+          h += hiding.share * hidden_at_once(one_way, own) * c * (2 - own);
         }
       }
-      const double h = hidden_at_once(one_way, share) * c * (2 - share);
       model += of * mean_transmittance(2 * (x - c * share) - h);
       exact += of * free_squared(random, diameter, all, c, w, 0);
     }
