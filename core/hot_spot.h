@@ -88,24 +88,6 @@ T share_in_common(const Layer<T>& layer, T delta, T x) {
   return among_species(layer, [&](std::size_t i) { return share_in_common(layer, i, delta, x); });
 }
 
-// The ways there and back of a light in the binder: the sum of their optical depths, and G of each
-// species.
-template <class T>
-struct BothWays {
-  Rgb<T> sum{};
-  std::array<Rgb<T>, kSpecies> shared{};
-};
-
-template <class T>
-BothWays<T> both_ways(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_slant, T delta) {
-  BothWays<T> ways{view_slant + light_slant, {}};
-  if (layer.depth_model != DepthModel::correlated) return ways;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
-    ways.shared[i] = map(ways.sum, [&](T x) { return share_in_common(layer, i, delta, x); });
-  }
-  return ways;
-}
-
 // What the substrate scatters straight back comes and goes by the same holes. It lies g below the
 // layer, where the lowest flakes end, so that both ways are free with the probability
 //   exp(-x + c k),  k = integral of O((g + t H) delta/D) over t in [0, 1].
@@ -134,6 +116,24 @@ T holes_in_common(const Layer<T>& layer, T delta) {
 template <class T>
 Rgb<T> less_in_common(const Layer<T>& layer, Rgb<T> x, Rgb<T> share) {
   return x - least(layer.shared_blocking, x * T(0.5)) * share;
+}
+
+// The ways there and back of a light in the binder: the sum of their optical depths, and G of each
+// species.
+template <class T>
+struct BothWays {
+  Rgb<T> sum{};
+  std::array<Rgb<T>, kSpecies> shared{};
+};
+
+template <class T>
+BothWays<T> both_ways(const Layer<T>& layer, Rgb<T> view_slant, Rgb<T> light_slant, T delta) {
+  BothWays<T> ways{view_slant + light_slant, {}};
+  if (layer.depth_model != DepthModel::correlated) return ways;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(layer.species); ++i) {
+    ways.shared[i] = map(ways.sum, [&](T x) { return share_in_common(layer, i, delta, x); });
+  }
+  return ways;
 }
 
 template <class T>

@@ -44,6 +44,7 @@ ONLY_CORE = {
     "flake_radiance_variance": "likewise",
     **dict.fromkeys(("power_of_two", "binary_exponent", "significand"), "OSL's exp2 and logb"),
     "flake_blocking": "slant_depth_of() finds it with the areas",
+    "among_species": "C++ has arrays of species",
     "make_gauss_rule": "for any number type; the shader has the float rule",
     "paint_stream": "for tests of the draws",
     **dict.fromkeys(("view_below", "under_orange_peel"), "the shader's main fills its surface"),
