@@ -37,7 +37,8 @@ closure color mixture_lobes(Paint paint, Layer layer, Stack stack, vector n, vec
       float scale = by_chance ? of_all / of_foot : 1.0;
       shown += foot * (FOOT_WEIGHT * scale) * diffuse_toon(n, FOOT_SIZE, FOOT_SMOOTH);
     }
-    if (of_returned > 0.0 && (!by_chance || at >= of_glossy + of_foot)) {
+    if (paint.depth_model == DEPTH_MODEL_CORRELATED && of_returned > 0.0 &&
+        (!by_chance || at >= of_glossy + of_foot)) {
       float scale = by_chance ? of_all / of_returned : 1.0;
       shown += stack.returned * (stack.returned_scale * scale) *
                phong_ramp(returning_normal(n, view), stack.exponent, white);
