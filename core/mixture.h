@@ -93,10 +93,18 @@ inline constexpr std::array<T, kMixturePoints> kMixtureNode = {T(0.1127016653792
 template <class T>
 inline constexpr std::array<T, kMixturePoints> kMixtureWeight = {
     T(0.277777777777777777778L), T(0.444444444444444444444L), T(0.277777777777777777778L)};
-// Two of equal weight, where they suffice.
+// Two of equal weight, where they suffice; and four.
 template <class T>
 inline constexpr std::array<T, 2> kPairNode = {T(0.211324865405187117745L),
                                                T(0.788675134594812882255L)};
+template <class T>
+inline constexpr std::array<T, 4> kFourNode = {
+    T(0.0694318442029737123880L), T(0.330009478207571867599L), T(0.669990521792428132401L),
+    T(0.930568155797026287612L)};
+template <class T>
+inline constexpr std::array<T, 4> kFourWeight = {
+    T(0.173927422568726928687L), T(0.326072577431273071313L), T(0.326072577431273071313L),
+    T(0.173927422568726928687L)};
 
 // (1 - r_eta)/cos_in of the surface for light in the binder at the cosine cos_in. Fresnel's T_s and
 // T_p are 4 cos(theta) g/s^2 and 4 eta^2 cos(theta) g/p^2 with g = eta cos_in, s = cos(theta) + g
@@ -176,12 +184,14 @@ struct Mirroring {
   T escaping{};  // of that, what it does let out
   // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
   T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
-  T in_common{}, in_common2{};  // likewise G of hot_spot.h, and its square
+  // Likewise G of hot_spot.h for the colour that is blocked most, its square, and delta.
+  T in_common{}, in_common2{}, apart{};
 };
 
-// Up to this tilt two points over beta do in each of two pieces, but not for the long tail of ggx.
-// docs/fits.md has three everywhere. With one in the first piece G, which falls steeply about the
-// view, is too small seen from the normal, and lossless correlated paints are up to 0.03 off 1.
+// Up to this tilt two points over beta do in each of two pieces, above it three; the long tail of
+// ggx has four. docs/fits.md has three everywhere. G falls steeply about the view: with a point
+// less it is too small seen from the normal, and lossless correlated paints are up to 0.03 off 1,
+// of ggx 0.014.
 inline constexpr double kNarrowTilt = 0.25;
 
 // Of an arc over the azimuth: two points, as of Gauss in x, where the azimuth is x + a x (1 - x) of
@@ -207,17 +217,19 @@ inline constexpr double kFewFlakes = 1e-3;
 // average over the normals, in 95 % within 0.02 (2000 cases, docs/fits.md).
 template <class T>
 Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& density,
-                        const DiffuseSurface<T>& surface, T cos_in) {
+                        const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
   Mirroring<T> sum;
   const T sin_in = sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T across = cos_in - critical;
   const T way_in = 1 / cos_in;
-  const T flakes_alone = 2 * max_component(layer.shared_blocking);  // optical depth, both ways
+  const T depth = max_component(slant_view) * cos_in;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
-  const bool narrow = density.kind != Orientation::ggx && density.tilt <= T(kNarrowTilt);
+  const bool tailed = density.kind == Orientation::ggx;
+  const bool narrow = !tailed && density.tilt <= T(kNarrowTilt);
+  const int points = narrow ? 2 : tailed ? 4 : kMixturePoints;
   for (int piece = 0; piece < 2; ++piece) {
     const T along = piece == 0 ? sin_in - sin_critical : sin_in + sin_critical;
     const T to = edge_deviate(density, (across * across + along * along) / 2);
@@ -226,10 +238,17 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
     from = to;
     if (!(width > T(kFewFlakes)) || (piece == 0 && cos_in <= critical)) continue;
     const T shown = width * min(width / T(kFewFlakes) - 1, T(1));
-    const int points = narrow ? 2 : 3;
     for (int i = 0; i < points; ++i) {
-      const T x = narrow ? kPairNode<T>[i] : kMixtureNode<T>[i];
-      const T weight = narrow ? T(0.5) : kMixtureWeight<T>[i];
+      T x = 0, weight = T(0.5);
+      if (narrow) {
+        x = kPairNode<T>[i];
+      } else if (tailed) {
+        x = kFourNode<T>[i];
+        weight = kFourWeight<T>[i];
+      } else {
+        x = kMixtureNode<T>[i];
+        weight = kMixtureWeight<T>[i];
+      }
       const T place = piece == 0 ? x * (2 - x) : x * x * (3 - 2 * x);
       const T slope = piece == 0 ? 2 * (1 - x) : 6 * x * (1 - x);
       const SampledTilt<T> tilt = sample_tilt(density, begin + span * place);
@@ -272,9 +291,10 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           const T apart = sin_in * (way_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
           const T delta = sqrt(apart * apart + aside);
-          const T shared = share_in_common(layer, delta, flakes_alone);
+          const T shared = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * shared;
           sum.in_common2 = sum.in_common2 + escaping * shared * shared;
+          sum.apart = sum.apart + escaping * delta;
         }
       }
     }
@@ -335,8 +355,9 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
 
 // r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
 // angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine is the
-// one that linear regression expects. Correlated, G is taken at a deviation on either side too. E
-// is within 0.010 of the lobe's integral, in 95 % within 0.002 (2000 cases, docs/fits.md).
+// one that linear regression expects. Correlated, G is taken at a deviation on either side too, and
+// differs among colours as it does at the mean delta. E is within 0.010 of the lobe's integral, in
+// 95 % within 0.002 (2000 cases, docs/fits.md).
 template <class T>
 SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
                             const Mirroring<T>& mirrored, Rgb<T> slant_view) {
@@ -363,8 +384,13 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
       const T in_common = mirrored.in_common / mirrored.escaping;
       const T variance = mirrored.in_common2 / mirrored.escaping - in_common * in_common;
       const T apart = sqrt(max(variance, T(0)));
+      const Rgb<T> both = slant_view + slant_out;
+      const T delta = mirrored.apart / mirrored.escaping;
+      const T most = share_in_common(layer, delta, max_component(both));
+      const Rgb<T> of_most =
+          map(both, [&](T x) { return share_in_common(layer, delta, x) / max(most, T(1e-20)); });
       const auto dimmed = [&](T shared) {
-        return map(less_in_common(layer, slant_view + slant_out, grey(shared)), passed);
+        return map(less_in_common(layer, both, of_most * shared), passed);
       };
       sum.correlated =
           sum.correlated + r * ((dimmed(in_common + apart) + dimmed(in_common - apart)) * T(0.5));
@@ -427,7 +453,7 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
                 const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
   const Coating<T>& coating = flakes.coating;
   const T area = mean_projected_area(flakes.orientation, cos_in);
-  const Mirroring<T> mirrored = mirror_out(layer, flakes.orientation, surface, cos_in);
+  const Mirroring<T> mirrored = mirror_out(layer, flakes.orientation, surface, cos_in, slant_view);
   const T flux = flakes.coverage / cos_in;
   const Rgb<T> r = coating_reflectance(coating, cos_in);
   const Rgb<T> t = coating_transmittance(coating, cos_in);

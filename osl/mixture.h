@@ -101,9 +101,10 @@ struct Mirroring {
   float cos_alpha_exit;
   float in_common;
   float in_common2;
+  float apart;
 };
 
-Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in)
+Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in, color slant_view)
 {
   Mirroring sum;
   sum.cone = 0.0;
@@ -114,6 +115,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   sum.cos_alpha_exit = 0.0;
   sum.in_common = 0.0;
   sum.in_common2 = 0.0;
+  sum.apart = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -122,10 +124,17 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float sin_critical = sqrt((1.0 - critical) * (1.0 + critical));
   float across = cos_in - critical;
   float way_in = 1.0 / cos_in;
-  color shared = layer.shared_blocking;
-  float flakes_alone = 2.0 * max(max(shared[0], shared[1]), shared[2]);
-  int narrow = density.kind != ORIENTATION_GGX && density.tilt <= NARROW_TILT;
+  float depth = max(max(slant_view[0], slant_view[1]), slant_view[2]) * cos_in;
+  int tailed = density.kind == ORIENTATION_GGX;
+  int narrow = !tailed && density.tilt <= NARROW_TILT;
+  int points = MIXTURE_POINTS;
+  if (narrow)
+    points = 2;
+  if (tailed)
+    points = 4;
   float pair[2] = {PAIR_NODE, PAIR_OTHER};
+  float four_node[4] = {0.0694318442, 0.330009478, 0.669990522, 0.930568156};
+  float four_weight[4] = {0.173927423, 0.326072577, 0.326072577, 0.173927423};
   float arc_node[2] = {0.319658371, 0.897008296};
   float arc_weight[2] = {1.37527767, 0.624722325};
   float start = 0.0;
@@ -143,14 +152,15 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
     if (!(width > FEW_FLAKES) || (piece == 0 && cos_in <= critical))
       continue;
     float shown = width * min(width / FEW_FLAKES - 1.0, 1.0);
-    int points = 2;
-    if (!narrow)
-      points = MIXTURE_POINTS;
     for (int i = 0; i < points; ++i) {
       float x = 0.0;
       float part = 0.5;
       if (narrow) {
         x = pair[i];
+      }
+      else if (tailed) {
+        x = four_node[i];
+        part = four_weight[i];
       }
       else {
         x = node[i];
@@ -203,9 +213,10 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
           float delta = sqrt(apart * apart + aside);
-          float in_common = share_in_common(layer, delta, flakes_alone);
+          float in_common = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * in_common;
           sum.in_common2 = sum.in_common2 + escaping * in_common * in_common;
+          sum.apart = sum.apart + escaping * delta;
         }
       }
     }
@@ -308,8 +319,15 @@ SingleShares mean_single(Layer layer, Coating coating, float library[], Mirrorin
       float in_common = mirrored.in_common / mirrored.escaping;
       float apart = sqrt(max(mirrored.in_common2 / mirrored.escaping - in_common * in_common, 0.0));
       color both = slant_view + slant_out;
-      color more = mean_transmittance(less_in_common(layer, both, color(in_common + apart)));
-      color less = mean_transmittance(less_in_common(layer, both, color(in_common - apart)));
+      color of_most = color(1.0);
+      if (channels_of(both) > 1) {
+        float delta = mirrored.apart / mirrored.escaping;
+        float most = share_in_common(layer, delta, max(max(both[0], both[1]), both[2]));
+        for (int c = 0; c < 3; ++c)
+          of_most[c] = share_in_common(layer, delta, both[c]) / max(most, 1e-20);
+      }
+      color more = mean_transmittance(less_in_common(layer, both, of_most * (in_common + apart)));
+      color less = mean_transmittance(less_in_common(layer, both, of_most * (in_common - apart)));
       sum.correlated = sum.correlated + r * ((more + less) * 0.5);
     }
     deviation = -deviation;
@@ -369,7 +387,7 @@ void add_flakes(output FlakeRates rates, Layer layer, int species, float library
   Flakes some = flakes_of(layer, species);
   OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
-  Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in);
+  Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in, slant_view);
   float flux = some.coverage / cos_in;
   color r = coating_reflectance(coating, library, cos_in);
   color t = coating_transmittance(coating, library, cos_in);
