@@ -50,9 +50,9 @@
 //   r_s + E + M - 1, lossless paints (800)       0.006   0.004   0.002   0.0003
 //   likewise, pearls on mica (800)               0.005   0.003   0.002   0.0002
 //   likewise, pearls on silica (800)             0.013   0.008   0.004   0.0004
-//   lossless paints, correlated (1000)           0.018   0.010   0.005   0.0004
-//   likewise, pearls on mica (1000)              0.008   0.005   0.002   0.0002
-//   likewise, pearls on silica (1000)            0.016   0.008   0.005   0.0004
+//   lossless paints, correlated (1000)           0.009   0.006   0.003   0.0003
+//   likewise, pearls on mica (1000)              0.004   0.003   0.002   0.0001
+//   likewise, pearls on silica (1000)            0.011   0.007   0.003   0.0004
 //   L* by angle, single flakes and M (200)        17      7.5     3.3     0.46
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
