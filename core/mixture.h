@@ -185,7 +185,7 @@ struct Mirroring {
   // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
   T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
   // Likewise G of hot_spot.h for the colour that is blocked most, its square, and delta.
-  T in_common{}, in_common2{}, apart{};
+  T in_common{}, in_common2{}, delta{};
 };
 
 // Up to this tilt two points over beta do in each of two pieces, above it three; the long tail of
@@ -224,6 +224,7 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
   const T across = cos_in - critical;
   const T way_in = 1 / cos_in;
+  // Of the layer, straight down: G is taken at that of both ways, depth/c + depth/e.
   const T depth = max_component(slant_view) * cos_in;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
@@ -294,7 +295,7 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
           const T shared = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * shared;
           sum.in_common2 = sum.in_common2 + escaping * shared * shared;
-          sum.apart = sum.apart + escaping * delta;
+          sum.delta = sum.delta + escaping * delta;
         }
       }
     }
@@ -385,7 +386,7 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
       const T variance = mirrored.in_common2 / mirrored.escaping - in_common * in_common;
       const T apart = sqrt(max(variance, T(0)));
       const Rgb<T> both = slant_view + slant_out;
-      const T delta = mirrored.apart / mirrored.escaping;
+      const T delta = mirrored.delta / mirrored.escaping;
       const T most = share_in_common(layer, delta, max_component(both));
       const Rgb<T> of_most =
           map(both, [&](T x) { return share_in_common(layer, delta, x) / max(most, T(1e-20)); });

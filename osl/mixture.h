@@ -101,7 +101,7 @@ struct Mirroring {
   float cos_alpha_exit;
   float in_common;
   float in_common2;
-  float apart;
+  float delta;
 };
 
 Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in, color slant_view)
@@ -115,7 +115,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   sum.cos_alpha_exit = 0.0;
   sum.in_common = 0.0;
   sum.in_common2 = 0.0;
-  sum.apart = 0.0;
+  sum.delta = 0.0;
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -216,7 +216,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
           float in_common = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * in_common;
           sum.in_common2 = sum.in_common2 + escaping * in_common * in_common;
-          sum.apart = sum.apart + escaping * delta;
+          sum.delta = sum.delta + escaping * delta;
         }
       }
     }
@@ -321,7 +321,7 @@ SingleShares mean_single(Layer layer, Coating coating, float library[], Mirrorin
       color both = slant_view + slant_out;
       color of_most = color(1.0);
       if (channels_of(both) > 1) {
-        float delta = mirrored.apart / mirrored.escaping;
+        float delta = mirrored.delta / mirrored.escaping;
         float most = share_in_common(layer, delta, max(max(both[0], both[1]), both[2]));
         for (int c = 0; c < 3; ++c)
           of_most[c] = share_in_common(layer, delta, both[c]) / max(most, 1e-20);
