@@ -160,7 +160,7 @@ def test_own_presets_outlive_the_package(
     addon: Addon, painted: bpy.types.Material, installed: Path
 ) -> None:
     painted.name = "My Gold/2"
-    file = addon("interface.preset_operators").own_file(addon("paint.material").paint_node(painted))
+    file = addon("interface.preset_operators").own_file(bpy.context)
     assert file.name == "my-gold-2.json"
     assert file.parent.is_dir()
     assert installed not in file.parents
@@ -171,13 +171,27 @@ def test_own_presets_keep_accents_and_never_share_a_file(
 ) -> None:
     operators = addon("interface.preset_operators")
     monkeypatch.setattr(operators, "own_folder", lambda create: tmp_path)
-    node = addon("paint.material").paint_node(painted)
     painted.name = "Flocon d'été/2"
-    first = operators.own_file(node)
+    first = operators.own_file(bpy.context)
     assert first == tmp_path / "flocon-d-été-2.json"
     first.touch()
     painted.name = "flocon d été.2"
-    assert operators.own_file(node) == tmp_path / "flocon-d-été-2-2.json"
+    assert operators.own_file(bpy.context) == tmp_path / "flocon-d-été-2-2.json"
+
+
+def test_a_paint_within_a_group_is_saved_under_the_name_of_its_material(
+    painted: bpy.types.Material, addon: Addon, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    operators = addon("interface.preset_operators")
+    monkeypatch.setattr(operators, "own_folder", lambda create: tmp_path)
+    node = addon("paint.material").paint_node(painted)
+    outer = bpy.data.node_groups.new("Mine", "ShaderNodeTree")
+    outer.nodes.new("ShaderNodeGroup").node_tree = node.node_tree
+    node.node_tree = outer
+    copy = painted.copy()  # another material of the group
+    for shown, name in ((painted, "First"), (copy, "Second")):
+        bpy.context.object.active_material, shown.name = shown, name
+        assert operators.own_file(bpy.context) == tmp_path / f"{name.lower()}.json"
 
 
 def test_saving_without_a_name(painted: bpy.types.Material) -> None:

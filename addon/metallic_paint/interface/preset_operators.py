@@ -53,9 +53,9 @@ def own() -> list[Path]:
     return sorted(own_folder().glob("*.json"))
 
 
-def own_file(node: bpy.types.ShaderNodeGroup) -> Path:
+def own_file(context: bpy.types.Context) -> Path:
     """Where the paint is saved unless one says otherwise: named after its material, and new."""
-    owner = next(each for each in bpy.data.materials if each.node_tree == node.id_data)
+    owner = operators.active_material(context)
     letters = unicodedata.normalize("NFC", owner.name.lower())[:_MOST_LETTERS]
     name = "".join(each if each.isalnum() or each == "_" else "-" for each in letters)
     folder = own_folder(create=True)
@@ -208,7 +208,7 @@ finds it, or elsewhere, to share it"""
     def invoke(  # type: ignore[override]
         self, context: bpy.types.Context, event: bpy.types.Event
     ) -> set[OperatorReturnItems]:
-        self.filepath = str(own_file(operators.paint_node(context)))
+        self.filepath = str(own_file(context))
         return super().invoke(context, event)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
