@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import pytest
 from metallic_paint import verify
-from metallic_paint.paint import material, migration, presets
+from metallic_paint.paint import Paint, animation, material, migration, presets
 from metallic_paint.scene import needs
 
 FILE = Path(__file__).with_name("of-0.1.0.blend")
@@ -75,3 +75,33 @@ def test_a_later_update_leaves_the_anchor_as_it_is_and_says_nothing_of_it(
     node_in(scene).node_tree["metallic_paint_source"] = "older"
     assert str(migration.update()) == "Paints updated: 1."
     assert not material.rides(node_in(scene))
+
+
+def outdate(node: bpy.types.ShaderNodeGroup) -> None:
+    """Of an older version, whose first socket was another: numbers of sockets mean others today."""
+    node.node_tree = group = node.node_tree.copy()
+    group["metallic_paint"], group["metallic_paint_source"] = material.VERSION - 1, "older"
+    first = group.interface.new_socket("Glitter", in_out="INPUT", socket_type="NodeSocketFloat")
+    group.interface.move(first, 0)
+
+
+def test_animation_that_paints_share_stays_on_its_sockets() -> None:
+    """As that of a copied material, and of two paints in one material."""
+    painted = material.create(Paint())
+    tree = painted.node_tree
+    nodes = [material.paint_node(painted), material.add_node(tree, Paint())]
+    for node in nodes:
+        outdate(node)
+    for node, label in zip(nodes, ("Tilt", "Orange Peel"), strict=True):
+        node.inputs[label].keyframe_insert("default_value", frame=1)
+        node.inputs["Seed"].driver_add("default_value").driver.expression = "42"
+    nodes[0].inputs["Glitter"].keyframe_insert("default_value", frame=1)
+    copy = painted.copy()
+    assert copy.node_tree.animation_data.action_slot == tree.animation_data.action_slot
+    report = migration.update()
+    assert (report.updated, report.lost) == (4, {"Glitter"})
+    for of in (tree, copy.node_tree):
+        for name, label in zip([node.name for node in nodes], ("Tilt", "Orange Peel"), strict=True):
+            driven = animation.of_inputs(of, of.nodes[name])
+            assert sorted(socket.name for _, socket, _ in driven) == sorted(["Seed", label])
+        assert sum(len(curves) for curves in animation.curves(of)) == 4

@@ -7,6 +7,7 @@ versions.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -19,6 +20,8 @@ from . import animation, material, shader
 _PARKED = "metallic_paint_parked["
 
 Value = float | tuple[float, ...]  # of a socket
+_InTree = tuple[bpy.types.NodeTree, bpy.types.ShaderNodeGroup]
+_Parked = tuple[bpy.types.ShaderNodeGroup, str, str]  # socket's node and label, rest of the path
 
 
 @dataclass
@@ -60,15 +63,15 @@ def update() -> Report:
     Raises CompileError, with nothing changed, where the shader does not compile.
     """
     report = Report()
-    nodes = list(_outdated_nodes())
+    found = list(_outdated_nodes())
+    nodes = [(tree, node) for tree, node in found if tree.is_editable]
+    report.updated, report.linked = len(nodes), len(found) - len(nodes)
     material.node_group()  # where the shader does not compile, all stays as it is
+    parked = _park_animation(nodes)
     for tree, node in nodes:
-        if node.id_data.is_editable:
-            report.riding += material.ANCHOR.label not in node.inputs
-            report.lost |= _update(tree, node)
-            report.updated += 1
-        else:
-            report.linked += 1
+        report.riding += material.ANCHOR.label not in node.inputs
+        report.lost |= _update(tree, node)
+    report.lost |= _unpark_animation([tree for tree, _ in nodes], parked)
     _remove_unused()
     return report
 
@@ -83,7 +86,7 @@ def _digest() -> str:
     return material.digest(shader.source())
 
 
-def _outdated_nodes() -> Iterator[tuple[bpy.types.NodeTree, bpy.types.ShaderNodeGroup]]:
+def _outdated_nodes() -> Iterator[_InTree]:
     trees = [each.node_tree for each in bpy.data.materials if each.node_tree]
     for tree in (*trees, *bpy.data.node_groups):
         for node in tree.nodes:
@@ -103,7 +106,6 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
     # Blender would join what has the same identifier, whatever it is now.
     for link in [link for link in tree.links if node in (link.from_node, link.to_node)]:
         tree.links.remove(link)
-    _park_animation(tree, node)
     node.node_tree = material.node_group()
 
     for socket in node.inputs:
@@ -119,7 +121,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
             lost.add(from_label if output is None else to_label)
         else:
             tree.links.new(output, target)
-    return lost | _unpark_animation(tree, node)
+    return lost
 
 
 def _value(socket: bpy.types.NodeSocket) -> Value:
@@ -142,24 +144,28 @@ def _fitting(value: Value | None, default: Value, socket: bpy.types.NodeSocket) 
     return round(value) if socket.type == "INT" else value
 
 
-def _park_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> None:
-    """Keys and drivers name a socket by its number: meanwhile by its label, which nothing bears.
+def _park_animation(nodes: list[_InTree]) -> list[_Parked]:
+    """Keys and drivers name a socket by its number: meanwhile by their own, which nothing bears.
 
-    Blender 5 would delete those of sockets that go.
+    Blender 5 would delete those of sockets that go. Copies of a material share their keys: all are
+    parked before any node changes, so that none is counted anew twice.
     """
-    for curve, socket, rest in animation.of_inputs(tree, node):
-        curve.data_path = f"{_PARKED}{socket.name}]{rest}"
+    parked: list[_Parked] = []
+    for tree, node in nodes:
+        for curve, socket, rest in animation.of_inputs(tree, node):
+            curve.data_path = f"{_PARKED}{len(parked)}]"
+            parked.append((node, socket.name, rest))
+    return parked
 
 
-def _unpark_animation(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
+def _unpark_animation(trees: list[bpy.types.NodeTree], parked: list[_Parked]) -> set[str]:
     """Back to numbers, today's; returns the labels that are no more, without their animation."""
-    numbers = {socket.name: number for number, socket in enumerate(node.inputs)}
     lost = set()
-    for curves in animation.curves(tree):
+    for curves in itertools.chain.from_iterable(map(animation.curves, trees)):
         for curve in [each for each in curves if each.data_path.startswith(_PARKED)]:
-            label, _, rest = curve.data_path.removeprefix(_PARKED).rpartition("]")
-            if label in numbers:
-                curve.data_path = f"{node.path_from_id()}.inputs[{numbers[label]}]{rest}"
+            node, label, rest = parked[int(curve.data_path.removeprefix(_PARKED).rstrip("]"))]
+            if (number := node.inputs.find(label)) >= 0:
+                curve.data_path = f"{node.path_from_id()}.inputs[{number}]{rest}"
             else:
                 curves.remove(curve)
                 lost.add(label)
