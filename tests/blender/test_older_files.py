@@ -105,3 +105,17 @@ def test_animation_that_paints_share_stays_on_its_sockets() -> None:
             driven = animation.of_inputs(of, of.nodes[name])
             assert sorted(socket.name for _, socket, _ in driven) == sorted(["Seed", label])
         assert sum(len(curves) for curves in animation.curves(of)) == 4
+
+
+def test_a_muted_link_stays_muted(scene: bpy.types.Scene) -> None:
+    node = node_in(scene)
+    tree = node.id_data
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    for label, muted in (("Tilt", True), ("Flake Spread", False)):
+        tree.links.new(noise.outputs[0], node.inputs[label]).is_muted = muted
+    node.outputs["BSDF"].links[0].is_muted = True
+    migration.update()
+    node = node_in(scene)
+    muted = {each.name: each.links[0].is_muted for each in node.inputs if each.is_linked}
+    assert muted == {"Tilt": True, "Flake Spread": False}
+    assert node.outputs["BSDF"].links[0].is_muted

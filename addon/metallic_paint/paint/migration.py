@@ -99,7 +99,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
     values = {each.name: _value(each) for each in node.inputs if hasattr(each, "default_value")}
     links = [
         (link.from_node, link.from_socket, link.to_node, link.to_socket,
-         link.from_socket.name, link.to_socket.name)
+         link.from_socket.name, link.to_socket.name, link.is_muted)
         for link in tree.links
         if node in (link.from_node, link.to_node)
     ]  # fmt: skip
@@ -112,7 +112,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
         if hasattr(socket, "default_value"):
             socket.default_value = _fitting(values.get(socket.name), _default(node, socket), socket)
     lost = set()
-    for from_node, output, to_node, target, from_label, to_label in links:
+    for from_node, output, to_node, target, from_label, to_label, is_muted in links:
         if from_node == node:
             output = node.outputs.get(from_label)
         if to_node == node:
@@ -120,7 +120,7 @@ def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[st
         if output is None or target is None:
             lost.add(from_label if output is None else to_label)
         else:
-            tree.links.new(output, target)
+            tree.links.new(output, target).is_muted = is_muted
     return lost
 
 
