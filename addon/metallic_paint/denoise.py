@@ -30,7 +30,8 @@ NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
 SET_UP = "Denoise, Keep Sparkles"  # the button
 
-_MARK = "metallic_paint_denoise"  # of our nodes, trees and lamps; of the scene: what was before
+# Of our nodes, trees and lamps, and of the view layer; of the scene: what was before.
+_MARK = "metallic_paint_denoise"
 _PASSES = ("use_pass_glossy_direct", "use_pass_glossy_color", "use_pass_cryptomatte_material")
 _BLENDER_5 = bpy.app.version >= (5, 0)
 _GLOSSY = ("Glossy Direct", "Glossy Color") if _BLENDER_5 else ("GlossDir", "GlossCol")
@@ -124,6 +125,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "made_light_group": False,
         "painted": _painted(),
     }
+    layer[_MARK] = True
     try:
         changed = _change(scene, layer, found, was)
     except BaseException:
@@ -140,10 +142,14 @@ def remove(scene: bpy.types.Scene) -> list[str]:
     """
     if reason := why_not_remove(scene):
         raise DenoiseError(f"{reason}.")
-    _change_back(scene, dict(scene[_MARK]))
+    was = dict(scene[_MARK])
+    is_gone = not _changed_layers(scene, was)
+    _change_back(scene, was)
     del scene[_MARK]
     state = "on" if scene.cycles.use_denoising else "off"
-    return [f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."]
+    about = f"Compositing, passes and light groups are as before, Cycles' denoising is {state}."
+    gone = f"The view layer “{was['layer']}” is gone, and its passes with it."
+    return [about, gone] if is_gone else [about]
 
 
 def node_group() -> bpy.types.CompositorNodeTree:
@@ -224,13 +230,13 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
     _give_sun_back(scene)
-    layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
-    if layer is not None:
+    for layer in _changed_layers(scene, was):
         for name in _PASSES:
             setattr(layer, name, bool(was[name]))
         layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
         if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
             layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+        layer.pop(_MARK, None)
     for lamp in [thing for thing in bpy.data.objects if _MARK in thing]:
         if lamp.users_scene and scene not in lamp.users_scene:
             continue  # of another scene; one that is shown as instances alone is of none
@@ -241,6 +247,13 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
         del lamp[_MARK]
     scene.cycles.use_denoising = bool(was["use_denoising"])
     scene.render.use_compositing = bool(was["use_compositing"])
+
+
+def _changed_layers(scene: bpy.types.Scene, was: dict) -> list[bpy.types.ViewLayer]:
+    """The view layer that set_up changed, whatever it is called now, and copies of it; what an
+    older version changed bears no mark."""
+    marked = [layer for layer in scene.view_layers if _MARK in layer]
+    return marked or [layer for layer in scene.view_layers if layer.name == was["layer"]]
 
 
 # --- passes and light groups -------------------------------------------------------------------

@@ -303,6 +303,44 @@ def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
     assert scene.objects["Moon"].lightgroup == ""
 
 
+@pytest.mark.every_blender
+def test_a_view_layer_renamed_since_is_as_before() -> None:
+    scene = build()
+    needs.fit(scene)
+    add_plain_compositing(scene)
+    layer = scene.view_layers[0]
+    layer.use_pass_glossy_color = True
+    before = state(scene)
+    for name in ("Renamed", "Once more"):  # the second set-up renews
+        denoise.set_up(scene)
+        layer.name = name
+    assert len(denoise.remove(scene)) == 1
+    assert state(scene) == before
+    assert denoise._MARK not in layer
+
+
+def test_a_view_layer_that_an_older_version_set_up_is_known_by_its_name() -> None:
+    scene = build()
+    needs.fit(scene)
+    add_plain_compositing(scene)
+    before = state(scene)
+    denoise.set_up(scene)
+    del scene.view_layers[0][denoise._MARK]
+    assert len(denoise.remove(scene)) == 1
+    assert state(scene) == before
+
+
+def test_a_view_layer_that_is_gone_is_told_of() -> None:
+    scene = build()
+    layer = scene.view_layers[0]
+    denoise.set_up(scene)
+    scene.view_layers.new("Other")
+    scene.view_layers.remove(layer)
+    [about, gone] = denoise.remove(scene)
+    assert "Compositing, passes and light groups are as before" in about
+    assert gone == "The view layer “ViewLayer” is gone, and its passes with it."
+
+
 def test_what_came_since_is_told_until_one_presses_again(registered: None) -> None:
     scene = build()
     denoise.set_up(scene)
