@@ -377,11 +377,36 @@ def test_an_overridden_object_keeps_it_where_its_paint_is_its_own(
     assert not lacks(thing)
 
 
-def test_a_paint_within_a_node_group_is_left_alone(grid: bpy.types.Object) -> None:
-    add_armature(grid)
+@pytest.mark.every_blender
+def test_a_paint_within_a_node_group_is_connected_there(grid: bpy.types.Object) -> None:
+    """Once, though two materials of the object have the group."""
     nest_paint(grid.active_material)
-    assert not lacks(grid)
+    grid.data.materials.append(grid.active_material.copy())
+    add_armature(grid)
+    assert lacks(grid)
+    assert "slides under its sparkles" in about(grid)
+    assert give(bpy.context.scene) == rest_position.Report((grid,), {})
+    assert (lacks(grid), about(grid)) == (False, "")
+    nodes = bpy.data.node_groups["Mine"].nodes
+    assert [node.attribute_name for node in nodes if node.type == "ATTRIBUTE"] == [ATTRIBUTE]
+    assert source_of(grid).id_data == bpy.data.node_groups["Mine"]
     assert give(bpy.context.scene) == rest_position.Report((), {})
+
+
+def test_a_paint_within_a_linked_node_group_is_left_and_named(
+    grid: bpy.types.Object, tmp_path: Path
+) -> None:
+    nest_paint(grid.active_material)
+    file = tmp_path / "group.blend"
+    bpy.data.libraries.write(str(file), {bpy.data.node_groups["Mine"]})
+    with bpy.data.libraries.load(str(file), link=True) as (_, here):
+        here.node_groups = ["Mine"]
+    [node] = [each for each in grid.active_material.node_tree.nodes if each.type == "GROUP"]
+    node.node_tree = here.node_groups[0]
+    add_armature(grid)
+    why = "it has a paint that is linked from another file, Mine [group.blend]"
+    assert give(bpy.context.scene) == rest_position.Report((), {grid: why})
+    assert not grid.add_rest_position_attribute
 
 
 def test_a_paint_of_an_older_version_is_left_alone(grid: bpy.types.Object) -> None:

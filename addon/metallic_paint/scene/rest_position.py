@@ -10,7 +10,6 @@ hands on (0, 0, 0), and the paint takes the point itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -49,12 +48,12 @@ def lacks(thing: bpy.types.Object) -> bool:
     """Whether it deforms, and a rest position that it could have is not given to its paints."""
     if thing.type != "MESH" or not _moved_by(thing) or _remade_by(thing):
         return False
-    return not all(_is_given(thing, node) for _, node in _riding(thing))
+    return not all(_is_given(thing, node) for node in _riding(thing))
 
 
 def about(thing: bpy.types.Object) -> str:
     """Why sparkles do not ride on a painted object, in sentences; empty where they do."""
-    if not any(True for _ in _riding(thing)):
+    if not _riding(thing):
         return ""
     if remade := _remade_by(thing):
         return (
@@ -77,33 +76,34 @@ def give(scene: bpy.types.Scene) -> Report:
     given: list[bpy.types.Object] = []
     left: dict[bpy.types.Object, str] = {}
     for thing in filter(lacks, scene.objects):
-        unconnected = [each for each in _riding(thing) if not _is_linked(each[1])]
-        elsewhere = [painted.name_full for painted, _ in unconnected if not _is_own(painted)]
+        unconnected = {node: of for node, of in _riding(thing).items() if not _is_linked(node)}
+        elsewhere = [of.name_full for of in unconnected.values() if not _is_own(of)]
         if thing.library is not None:
             left[thing] = "it is linked from another file, where this is to be done"
         elif elsewhere:
             left[thing] = f"it has a paint that is linked from another file, {elsewhere[0]}"
         else:
-            for painted, node in unconnected:
-                _connect(painted.node_tree, node)
+            for node in unconnected:
+                _connect(node)
             thing.add_rest_position_attribute = True
             given.append(thing)
     return Report(tuple(given), left)
 
 
-def _is_own(painted: bpy.types.Material) -> bool:
+def _is_own(of: bpy.types.ID) -> bool:
     """Whether its nodes can be changed: not those of an override."""
-    return painted.library is None and painted.override_library is None
+    return of.library is None and of.override_library is None
 
 
-def _riding(
-    thing: bpy.types.Object,
-) -> Iterator[tuple[bpy.types.Material, bpy.types.ShaderNodeGroup]]:
-    """Its paints whose sparkles belong to the surface, each with its material."""
-    for painted in dict.fromkeys(slot.material for slot in thing.material_slots if slot.material):
-        for node in painted.node_tree.nodes if painted.node_tree else ():
-            if material.is_paint(node) and material.rides(node):
-                yield painted, node
+def _riding(thing: bpy.types.Object) -> dict[bpy.types.ShaderNodeGroup, bpy.types.ID]:
+    """Its paints whose sparkles belong to the surface, each with its material or node group."""
+    return {
+        node: node.id_data if material.is_within_group(node) else slot.material
+        for slot in thing.material_slots
+        if slot.material
+        for node in material.paint_nodes(slot.material.node_tree)
+        if material.rides(node)
+    }
 
 
 def _moved_by(thing: bpy.types.Object) -> list[str]:
@@ -160,7 +160,8 @@ def _is_given(thing: bpy.types.Object, node: bpy.types.ShaderNodeGroup) -> bool:
     return thing.add_rest_position_attribute or ATTRIBUTE in thing.data.attributes
 
 
-def _connect(tree: bpy.types.ShaderNodeTree, node: bpy.types.ShaderNodeGroup) -> None:
+def _connect(node: bpy.types.ShaderNodeGroup) -> None:
+    tree = node.id_data
     attribute = tree.nodes.new("ShaderNodeAttribute")
     attribute.attribute_type, attribute.attribute_name = "GEOMETRY", ATTRIBUTE
     attribute.location = node.location.x - 250, node.location.y - 500
