@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+import os
+from pathlib import Path
 
 import bpy
 import metallic_paint_core as core
@@ -12,10 +14,11 @@ import pytest
 import seeds
 from mathutils import Euler, Vector
 from metallic_paint import verify
+from metallic_paint.interface import operators
 from metallic_paint.native import core_lights
 from metallic_paint.paint import Paint, core_paint
 from metallic_paint.scene import carrier, lights, needs, sky
-from scenery import disc, world_of
+from scenery import HEIGHT, WIDTH, disc, world_of
 from verification import scenes
 
 
@@ -78,6 +81,68 @@ def test_the_slot_follows_the_worlds_mapping_and_the_skys_sun() -> None:
     needs.fit(scene)
     assert carrier.values() == []
     assert lights.constant("Light1Kind") == 0
+
+
+SMALL = 256, 128  # pixels, of images that are written and changed
+
+
+def paint_sun(image: bpy.types.Image, column: int) -> None:
+    pixels = np.zeros((SMALL[1], SMALL[0], 4), np.float32)
+    pixels[SMALL[1] * 3 // 4, column, :3] = 1e4
+    image.pixels.foreach_set(pixels.ravel())
+
+
+def write_sun(file: Path, column: int) -> None:
+    image = bpy.data.images.new("Written", *SMALL, float_buffer=True)
+    paint_sun(image, column)
+    image.file_format, image.filepath_raw = "OPEN_EXR", str(file)
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def is_at(scene: bpy.types.Scene, column: int) -> bool:
+    towards = Vector(sky.find(scene).direction)
+    turn = -2 * math.pi * ((column + 0.5) / SMALL[0] - 0.5)
+    return abs(math.remainder(math.atan2(towards.y, towards.x) - turn, 2 * math.pi)) < 0.05
+
+
+@pytest.mark.every_blender
+@pytest.mark.parametrize("looked", ["before", "between", "shown"])
+def test_the_sun_of_a_file_that_changed_is_found_once_it_is_loaded_anew(
+    tmp_path: Path, looked: str
+) -> None:
+    """Whether one looks before it is loaded, or something else does so after."""
+    file, scene = tmp_path / "sky.exr", bpy.context.scene
+    write_sun(file, 40)
+    node = world_of(np.full((HEIGHT, WIDTH), 0.01, np.float32))
+    node.image = bpy.data.images.load(str(file))
+    assert is_at(scene, 40)
+    write_sun(file, 200)
+    os.utime(file, (2e9, 2e9))  # a clock may be too coarse to tell the two apart
+    if looked == "between":
+        assert is_at(scene, 40)
+    node.image.reload()
+    if looked == "shown":
+        assert tuple(node.image.size) == SMALL
+    assert is_at(scene, 200)
+
+
+def test_update_lights_finds_the_sun_of_a_painted_image() -> None:
+    scene = bpy.context.scene
+    scenes.build(scene, scenes.Scene("sky", paint=Paint(), lamps=()), 16)
+    node = world_of(np.full((HEIGHT, WIDTH), 0.01, np.float32))
+    node.image = bpy.data.images.new("Painted", *SMALL, float_buffer=True)
+    paint_sun(node.image, 40)
+    needs.fit(scene)
+    assert is_at(scene, 40)
+    paint_sun(node.image, 200)
+    operators.register()
+    try:
+        assert bpy.ops.scene.metallic_paint_update_lights() == {"FINISHED"}
+    finally:
+        operators.unregister()
+    assert is_at(scene, 200)
+    assert carrier.values()[0][1].angle(Vector(sky.find(scene).direction)) < 1e-3
 
 
 def test_an_images_sun_glitters_as_a_sun_lamp_does() -> None:

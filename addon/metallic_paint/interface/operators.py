@@ -9,7 +9,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..paint import Paint, material, migration, presets, shader
-from ..scene import lights, needs
+from ..scene import lights, needs, sky
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems, WmReportItems
@@ -207,6 +207,7 @@ This happens by itself while one works; a script calls it"""
         return has_cycles(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[OperatorReturnItems]:
+        sky.forget()
         report_of(self, str(needs.fit(context.scene)))
         return {"FINISHED"}
 

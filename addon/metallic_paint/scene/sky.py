@@ -8,6 +8,7 @@ disc that has as many sparkles. Directions were measured in renders, in Blender 
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from typing import TypeGuard
 
@@ -40,6 +41,11 @@ class _Spot:
 
 
 _found: dict[tuple[object, ...], _Spot | None] = {}  # of images, which are searched once
+
+
+def forget() -> None:
+    """Images are searched anew: one that is painted does not tell that its pixels changed."""
+    _found.clear()
 
 
 def find(scene: bpy.types.Scene) -> Sun | None:
@@ -131,11 +137,24 @@ def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
         return None
     if image.source not in ("FILE", "GENERATED"):
         return None
+    is_known = image.has_data  # not after a reload, and asking for its size loads it
     # Names come again in the next file; this number does not in a session.
-    key = image.session_uid, image.filepath, tuple(image.size), image.colorspace_settings.name
-    if key not in _found:
+    key = (
+        image.session_uid, image.filepath, _stamp(image), tuple(image.size),
+        image.colorspace_settings.name,
+    )  # fmt: skip
+    if not is_known or key not in _found:
         _found[key] = _search(image)
     return _found[key]
+
+
+def _stamp(image: bpy.types.Image) -> tuple[int, int] | None:
+    """What tells that its file was written again; None where there is none."""
+    try:
+        found = os.stat(image.filepath_from_user())
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 def _search(image: bpy.types.Image) -> _Spot | None:
