@@ -137,6 +137,53 @@ def test_reference_names_a_paint_of_an_older_version() -> None:
     assert "Silver: The paint is of an older version: update it first." in said
 
 
+ALONE = ("time_limit", "light_sampling_threshold", "blur_glossy")  # what Reference alone sets
+
+
+def alone(scene: bpy.types.Scene) -> list[float]:
+    return [getattr(scene.cycles, name) for name in ALONE]
+
+
+@pytest.mark.every_blender
+@pytest.mark.parametrize("after", ["DRAFT", "FINAL"])
+def test_what_reference_alone_sets_is_put_back(after: str) -> None:
+    scene = build()
+    cycles = scene.cycles
+    cycles.time_limit, cycles.light_sampling_threshold, cycles.blur_glossy = 60, 0.25, 0.5
+    quality.apply(scene, after)
+    assert alone(scene) == [60, 0.25, 0.5]
+    for _ in range(2):  # once more changes nothing
+        quality.apply(scene, "REFERENCE")
+    assert alone(scene) == [0, 0, 0]
+    assert "Time Limit: 0 → 60." in quality.apply(scene, after)
+    assert alone(scene) == [60, 0.25, 0.5]
+    quality.apply(scene, "REFERENCE")
+    cycles.time_limit = 30  # since then, so it stays
+    quality.apply(scene, after)
+    assert alone(scene) == [30, 0.25, 0.5]
+    cycles.blur_glossy = 0
+    quality.apply(scene, after)
+    assert alone(scene) == [30, 0.25, 0]
+
+
+def test_where_it_is_not_known_what_was_before_reference_it_is_blenders_default() -> None:
+    """As in a file that an older version saved."""
+    scene = build()
+    defaults = alone(scene)
+    for name, value in quality.QUALITIES["REFERENCE"].settings.items():
+        setattr(scene.cycles, name, value)
+    quality.apply(scene, "FINAL")
+    assert alone(scene) == defaults
+
+
+def test_reference_says_what_it_alone_sets(registered: None) -> None:
+    scene = build()
+    [said] = [" ".join(drawn(interface.MATERIAL_PT_metallic_paint_quality).texts[3:])]
+    names = [scene.cycles.bl_rna.properties[name].name for name in ALONE]
+    for text in (said, quality.QUALITIES["REFERENCE"].description):
+        assert all(name in text for name in names)
+
+
 def test_an_unknown_quality_and_another_engine_are_refused(registered: None) -> None:
     scene = build()
     with pytest.raises(ValueError, match="quality is 'BEST' and must be one of DRAFT, FINAL, REF"):

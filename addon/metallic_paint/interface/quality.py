@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
-from ..scene.quality import QUALITIES, apply, is_set
+from ..scene.quality import IN_REFERENCE_ALONE, QUALITIES, apply, is_set
 from . import operators
 from .panel import SubPanel, draw_lines
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
-    """Set samples, noise threshold and clamping, and tell what they were. The paints stay"""
+    """Set what decides how exactly Cycles draws sparkles, and tell what it was. The paints stay"""
 
     bl_idname = "scene.metallic_paint_quality"
     bl_label = "Set Quality"
@@ -61,7 +61,11 @@ class MATERIAL_PT_metallic_paint_quality(SubPanel):
         name = SCENE_OT_metallic_paint_quality.bl_idname
         for key in QUALITIES:
             row.operator(name, text=key.title(), depress=is_set(context.scene, key)).quality = key
-        draw_lines(self.layout, "Sets samples, noise threshold and clamping. The paints stay.")
+        draw_lines(
+            self.layout,
+            "Sets samples, noise threshold and clamping; Reference also "
+            f"{IN_REFERENCE_ALONE}, which Draft and Final put back. The paints stay.",
+        )
 
 
 register, unregister = bpy.utils.register_classes_factory(

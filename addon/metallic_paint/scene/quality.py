@@ -21,14 +21,16 @@ import bpy
 from ..paint import PaintError, material
 from . import lights, placed
 
+_Settings = dict[str, bool | int | float]  # values of scene.cycles by their names there
+
 
 @dataclass(frozen=True)
 class Quality:
-    """Values of scene.cycles by their names there."""
-
     description: str
-    settings: dict[str, bool | int | float]
+    settings: _Settings
 
+
+IN_REFERENCE_ALONE = "Time Limit, Light Sampling Threshold and Filter Glossy"
 
 QUALITIES = {
     "DRAFT": Quality(
@@ -46,7 +48,8 @@ QUALITIES = {
         },
     ),
     "REFERENCE": Quality(
-        "To compare others with: every sample is taken, and nothing is clamped or left to chance",
+        "To compare others with: every sample is taken, and nothing is clamped or left to chance. "
+        f"Also sets {IN_REFERENCE_ALONE} to 0; Draft and Final put them back",
         {
             "use_adaptive_sampling": False, "samples": 4096, "time_limit": 0.0,
             "sample_clamp_direct": 0.0, "sample_clamp_indirect": 0.0,
@@ -55,6 +58,9 @@ QUALITIES = {
     ),
 }  # fmt: skip
 
+_ALONE = sorted(QUALITIES["REFERENCE"].settings.keys() - QUALITIES["FINAL"].settings.keys())
+_BEFORE = "metallic_paint_before_reference"  # property of a scene: what it had of these
+
 # Choices of a paint that are its exact model.
 _EXACT = {"depth_model": "correlated", "radiometry": "exact", "composition": "exact"}
 
@@ -62,13 +68,21 @@ _EXACT = {"depth_model": "correlated", "radiometry": "exact", "composition": "ex
 def apply(scene: bpy.types.Scene, quality: str) -> list[str]:
     """Sets the scene's render settings to a quality; returns what it changed, with what it was.
 
+    Draft and Final put back what Reference alone sets, unless it was changed since.
+
     Raises ValueError for a quality that is not in QUALITIES.
     """
     if quality not in QUALITIES:
         raise ValueError(f"quality is {quality!r} and must be one of {', '.join(QUALITIES)}.")
-    cycles = scene.cycles
+    cycles, settings, before = scene.cycles, QUALITIES[quality].settings, _before_reference(scene)
+    if quality == "REFERENCE":
+        found = {name: getattr(cycles, name) for name in _others(scene, settings)}
+        scene[_BEFORE] = before | {name: found[name] for name in _ALONE if name in found}
+    else:
+        settings = settings | before
+        scene.pop(_BEFORE, None)
     changed = []
-    for name, value in _others(scene, quality):
+    for name, value in _others(scene, settings).items():
         was = getattr(cycles, name)
         setattr(cycles, name, value)
         label = cycles.bl_rna.properties[name].name
@@ -82,14 +96,28 @@ def apply(scene: bpy.types.Scene, quality: str) -> list[str]:
 
 def is_set(scene: bpy.types.Scene, quality: str) -> bool:
     """Whether the scene has all settings of that quality."""
-    return not _others(scene, quality)
+    return not _others(scene, QUALITIES[quality].settings)
 
 
-def _others(scene: bpy.types.Scene, quality: str) -> list[tuple[str, bool | int | float]]:
-    """The settings of a quality that the scene has otherwise."""
-    settings = QUALITIES[quality].settings.items()
-    return [(name, value) for name, value in settings
-            if abs(getattr(scene.cycles, name) - value) > 1e-6]  # fmt: skip
+def _others(scene: bpy.types.Scene, settings: _Settings) -> _Settings:
+    """Those that the scene has otherwise."""
+    return {name: value for name, value in settings.items()
+            if abs(getattr(scene.cycles, name) - value) > 1e-6}  # fmt: skip
+
+
+def _before_reference(scene: bpy.types.Scene) -> _Settings:
+    """Of what still is as Reference alone sets it; Blender's defaults where an older version did,
+    which kept no record."""
+    reference = QUALITIES["REFERENCE"].settings
+    before: _Settings = {}
+    if _BEFORE in scene:
+        before = dict(scene[_BEFORE])
+    elif is_set(scene, "REFERENCE"):
+        before = {name: scene.cycles.bl_rna.properties[name].default for name in _ALONE}
+    return {
+        name: value for name, value in before.items()
+        if getattr(scene.cycles, name) == reference[name]
+    }  # fmt: skip
 
 
 def _shown(value: bool | int | float) -> str:
