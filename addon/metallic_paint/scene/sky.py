@@ -8,8 +8,8 @@ disc that has as many sparkles. Directions were measured in renders, in Blender 
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeGuard
 
 import bpy
@@ -151,7 +151,7 @@ def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
 def _stamp(image: bpy.types.Image) -> tuple[int, int] | None:
     """What tells that its file was written again; None where there is none."""
     try:
-        found = os.stat(image.filepath_from_user())
+        found = Path(image.filepath_from_user()).stat()
     except OSError:
         return None
     return found.st_mtime_ns, found.st_size
