@@ -150,6 +150,8 @@ def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
 
 def _stamp(image: bpy.types.Image) -> tuple[int, int] | None:
     """What tells that its file was written again; None where there is none."""
+    if not image.filepath:
+        return None
     try:
         found = Path(image.filepath_from_user()).stat()
     except OSError:
