@@ -23,6 +23,7 @@ from metallic_paint import verify
 from metallic_paint.interface import knobs, preset_operators
 from metallic_paint.interface import live as button
 from metallic_paint.paint import PARAMETERS, Flakes, Paint, live, material, presets, value_of
+from metallic_paint.paint.parameters import coverage
 from metallic_paint.scene import carrier, follow, needs
 from metallic_paint.verify.check import check
 from recording import Layout
@@ -365,7 +366,7 @@ def test_a_local_copy_of_a_linked_paint_does_not_move_that(
     assert live.value(node_of(ball).inputs["Tilt"]) == pytest.approx(0.12)
     assert live.place_of(node_of(ball).inputs["Tilt"]) is None
     assert not live.is_linked(node_of(ball).inputs["Tilt"])
-    assert knobs.coverage(node_of(ball)) == pytest.approx(1900 * math.pi / 4 * 0.028**2)
+    assert knobs.coverage(node_of(ball)) == pytest.approx(coverage(1900, 28, 0.3))
 
 
 @pytest.mark.parametrize("use", ["math", "reroute", "output", "two paints", "other input", "muted"])
@@ -461,7 +462,7 @@ def test_panels_show_and_set_live_values(ball: bpy.types.Object) -> None:
         knobs.unregister()
     home, name = live.place_of(node.inputs["Flakes per mm²"])
     assert f'["{name}"]' in layout.properties
-    assert knobs.coverage(node) == pytest.approx(100 * math.pi / 4 * 0.028**2)
+    assert knobs.coverage(node) == pytest.approx(coverage(100, 28, 0.3))
     assert words.startswith("Sparse")
     knobs._set_tint(node, (0.5, 1.0, 0.25))
     np.testing.assert_allclose(knobs._tint(node), (0.5, 1.0, 0.25), rtol=1e-6)

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
+from metallic_paint.interface import knobs
 from metallic_paint.paint import (
     PANELS,
     PARAMETERS,
@@ -224,6 +225,18 @@ def test_a_material_has_the_values_of_its_paint(paint: Paint) -> None:
     for name, parameter in PARAMETERS.items():
         expected = shader_value(parameter, value_of(paint, name))
         assert value_in(node.inputs[parameter.label]) == pytest.approx(expected), name
+
+
+def test_the_panels_coverage_is_that_of_the_paint() -> None:
+    """Which flakes of uneven area exceed: those of a negative area are left out."""
+    more = Flakes(flakes_per_mm2=200, flake_diameter_um=40, flake_area_spread=3)
+    paint = Paint(flakes_per_mm2=1000, flake_diameter_um=20, flake_area_spread=2, second=more)
+    node = material.paint_node(material.create(paint))
+    covered = sum(each.flake_coverage for each in paint.species)
+    assert knobs.coverage(node) == pytest.approx(covered)
+    value = node.id_data.nodes.new("ShaderNodeValue")
+    node.id_data.links.new(value.outputs[0], node.inputs["Flake Area Spread 2"])
+    assert knobs.coverage(node) is None
 
 
 def test_every_field_differs_in_the_other_paint() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 
-from ..paint import PARAMETERS, Parameter, live
+from ..paint import PARAMETERS, Parameter, live, parameters
 
 TINT = "metallic_paint_tint"
 _ABSORPTION = PARAMETERS["binder_absorption_per_mm"].label
@@ -87,21 +87,17 @@ def _set_tint(node: bpy.types.ShaderNodeGroup, color: Sequence[float]) -> None:
 
 
 def coverage(node: bpy.types.ShaderNodeGroup) -> float | None:
-    """Area of all flakes by that of the surface; None where a link decides it.
-
-    Flakes per mm² times the area of the disc that has their mean area.
-    """
+    """Area of all flakes by that of the surface; None where a link decides it."""
     total = 0.0
     for prefix in ("", "second.", "third."):
-        count, diameter = (
-            _socket(node, PARAMETERS[f"{prefix}{name}"].label)
-            for name in ("flakes_per_mm2", "flake_diameter_um")
-        )
-        if count is None or diameter is None:
+        names = ("flakes_per_mm2", "flake_diameter_um", "flake_area_spread")
+        found = (_socket(node, PARAMETERS[f"{prefix}{name}"].label) for name in names)
+        sockets = [socket for socket in found if socket is not None]
+        if len(sockets) < len(names):  # of an older version
             continue
-        if live.is_linked(count) or live.is_linked(diameter):
+        if any(map(live.is_linked, sockets)):
             return None
-        total += live.value(count) * math.pi / 4 * (live.value(diameter) / 1000) ** 2
+        total += parameters.coverage(*map(live.value, sockets))
     return total
 
 

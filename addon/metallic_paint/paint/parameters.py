@@ -102,6 +102,16 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def coverage(per_mm2: float, diameter_um: float, area_spread: float) -> float:
+    """Of flakes of one species, their area per area of surface."""
+    area_mm2 = math.pi / 4 * (diameter_um * 1e-3) ** 2
+    s = area_spread  # E[max(0, 1 + s w)], w a standard normal deviate
+    if s > 0:
+        above = (1 + math.erf(1 / (s * math.sqrt(2)))) / 2
+        area_mm2 *= above + s * math.exp(-0.5 / s**2) / math.sqrt(2 * math.pi)
+    return per_mm2 * area_mm2
+
+
 @dataclass(frozen=True)
 class Flakes(table.FlakeFields):
     """One species of flakes. Colours are linear RGB; every field is checked on construction."""
@@ -124,12 +134,7 @@ class Flakes(table.FlakeFields):
     @property
     def flake_coverage(self) -> float:
         """Flake area per area of surface (the model's D H ⟨S⟩), dimensionless."""
-        area_mm2 = math.pi / 4 * (self.flake_diameter_um * 1e-3) ** 2
-        s = self.flake_area_spread  # E[max(0, 1 + s w)], w a standard normal deviate
-        if s > 0:
-            above = (1 + math.erf(1 / (s * math.sqrt(2)))) / 2
-            area_mm2 *= above + s * math.exp(-0.5 / s**2) / math.sqrt(2 * math.pi)
-        return self.flakes_per_mm2 * area_mm2
+        return coverage(self.flakes_per_mm2, self.flake_diameter_um, self.flake_area_spread)
 
 
 NO_FLAKES = Flakes(flakes_per_mm2=0)
