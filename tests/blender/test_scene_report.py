@@ -21,6 +21,7 @@ from metallic_paint.scene import lights, needs, rest_position, sight
 from metallic_paint.scene.report import report
 from recording import drawn
 from scenery import add_lamp, link_paint, nest_paint, show_as_instance
+from verification import scenes
 
 SIZE = 64
 
@@ -473,6 +474,18 @@ def test_a_roof_before_the_sun_is_named() -> None:
     roof.visible_shadow = True
     roof.location.z = -0.1
     assert bad(scene) == ""
+
+
+def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    add_roof()
+    scenes.sky(50, 110)(scene)
+    shadow = f"Roof keeps the sun of {scene.world.name} from what the camera sees of Ball"
+    assert shadow in bad(scene)
+    for i in range(lights.SLOTS):
+        add_lamp("POINT", f"Point {i}", location=(0, -0.2, 0.05))
+    assert shadow not in bad(scene)
 
 
 def test_a_roof_that_lets_light_pass_is_not() -> None:

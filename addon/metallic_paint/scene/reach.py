@@ -12,8 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from . import sky
-from .placed import Placed
+from . import lights, sky
 from .sight import Seen, past, surfaces_on
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
@@ -46,11 +45,11 @@ def lacking(
     layer: bpy.types.ViewLayer,
     thing: bpy.types.Object,
     seen: Seen,
-    lights: tuple[Placed, ...],
+    found: lights.Report,
 ) -> Iterator[str]:
     """Sentences about the lights that do not reach what the camera sees of a painted object."""
     places = np.linspace(0, len(seen.position) - 1, min(_RAYS, len(seen.position))).astype(int)
-    for light in _lights(scene, lights):
+    for light in _lights(scene, found):
         if light.lamp is not None and not _is_linked(light.lamp, thing):
             yield (
                 f"Light linking keeps {light.name} from {thing.name}: add it to the light's "
@@ -105,14 +104,15 @@ class _Light:
         return -towards.dot(self.axis) < math.cos(self.cone)
 
 
-def _lights(scene: bpy.types.Scene, lights: tuple[Placed, ...]) -> Iterator[_Light]:
-    for light in lights:
+def _lights(scene: bpy.types.Scene, found: lights.Report) -> Iterator[_Light]:
+    """Those that have a slot."""
+    for light in found.placed:
         lamp, matrix = light.lamp, light.matrix
         axis = -matrix.col[2].xyz.normalized()
         far = -axis if lamp.data.type == "SUN" else None
         cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.pi
         yield _Light(light.name, lamp, far, matrix.translation, axis, cone)
-    if sun := sky.find(scene):
+    if found.sky and (sun := sky.find(scene)):
         yield _Light(sun.name, None, Vector(sun.direction), Vector(), Vector((0, 0, 1)), math.pi)
 
 

@@ -18,7 +18,6 @@ from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, live, material
 from . import lights, needs, placed, reach, rest_position
 from .expected import Expected, expect
-from .placed import Placed
 from .sight import Camera, Effort, SightError, effort_for, look
 
 INFO: Final = "INFO"
@@ -80,7 +79,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         if line is not None:
             lines.append(line)
             continue
-        found, brightness = _about(scene, each, fitted.lights.placed, effort, each in chosen)
+        found, brightness = _about(scene, each, fitted.lights, effort, each in chosen)
         lines += found
         brightest = max(brightest, brightness)
     if left_out := len(known) - len(chosen):
@@ -227,7 +226,7 @@ def _largest(scene: bpy.types.Scene, surfaces: list[_Surface], number: int) -> l
 def _about(
     scene: bpy.types.Scene,
     surface: _Surface,
-    lights_of_slots: tuple[Placed, ...],
+    in_slots: lights.Report,
     effort: Effort,
     looked_at: bool,
 ) -> tuple[list[Line], float]:
@@ -246,10 +245,10 @@ def _about(
         return [*lines, (INFO, f"{label}: {error}")], 0.0
     if seen is None:
         return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0
-    expected = expect(material.paint_of(node), seen, lights_of_slots)
+    expected = expect(material.paint_of(node), seen, in_slots.placed)
     lines += _judge(label, node, expected)
     if _sparkles(node):
-        missing = reach.lacking(scene, surface.layer, thing, seen, lights_of_slots)
+        missing = reach.lacking(scene, surface.layer, thing, seen, in_slots)
         lines += [(WARNING, text) for text in missing]
     return lines, expected.brightness or 0.0
 
