@@ -441,6 +441,19 @@ def test_a_lamp_competes_with_its_irradiance_on_the_nearest_paint(
 
 
 @pytest.mark.parametrize(
+    ("kind", "energy"),
+    [("SUN", 3), ("POINT", 48 * math.pi), ("SPOT", 48 * math.pi), ("AREA", 12 * math.pi)],
+)
+def test_irradiance_falls_with_the_square_of_the_distance(kind: str, energy: float) -> None:
+    light = bpy.data.lights.new("Light", kind)
+    light.energy, light.color, light.exposure = energy, (0.1, 0.5, 0.2), 1
+    falls = 1 if kind == "SUN" else 1 / 4
+    found = lights.irradiance(light, np.array([4.0, 16.0]))
+    np.testing.assert_allclose(found, [3, 3 * falls], rtol=1e-6)
+    assert lights.irradiance(light, 4.0) == pytest.approx(3)
+
+
+@pytest.mark.parametrize(
     ("tilt", "stays"), [(0, True), (0.5, True), (0.7, False), (math.pi, False)]
 )
 def test_a_spot_competes_only_where_its_cone_meets_paint(

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..native import core_lights, core_missing
 from ..paint import Paint, core_paint
+from .lights import LEAST_SQUARED_DISTANCE, irradiance
 from .placed import Placed
 from .sight import Seen
 
@@ -68,16 +69,11 @@ def _irradiances(lights: tuple[Placed, ...], seen: Seen) -> np.ndarray:
     """(n, lights): of each on a plane that faces it, W/m², without shadows and spots' edges."""
     columns = []
     for light in lights:
-        data = light.lamp.data
-        strength = data.energy * max(data.color) * 2**data.exposure
-        if data.type == "SUN":
-            columns.append(np.full(len(seen.footprint), strength))
-            continue
         away = seen.position - np.array(light.matrix.translation)
-        squared = np.maximum((away**2).sum(axis=1), 1e-8)
-        if data.type == "AREA":
+        squared = np.maximum((away**2).sum(axis=1), LEAST_SQUARED_DISTANCE)
+        column = irradiance(light.lamp.data, squared)
+        if light.lamp.data.type == "AREA":
             facing = away @ -np.array(light.matrix.col[2].xyz.normalized())
-            columns.append(strength / np.pi * np.maximum(facing, 0) / squared**1.5)
-        else:
-            columns.append(strength / (4 * np.pi * squared))
+            column *= np.maximum(facing, 0) / np.sqrt(squared)
+        columns.append(column)
     return np.stack(columns, axis=1)

@@ -20,8 +20,10 @@ import secrets
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import bpy
+import numpy as np
 from mathutils import Matrix, Vector
 
 from . import carrier, placed, sky, sun_lamp, wiring
@@ -42,10 +44,11 @@ _MARK, _FILE, _LOOKS = "metallic_paint_lights", "metallic_paint_file", "metallic
 # The edge of a disc of 0.3 rad, seen head on, is then 30 % darker than its centre, and its sparkles
 # are those of a disc of 1 % less.
 _LEAST_SPREAD = math.radians(90)
-_MIN_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
+LEAST_SQUARED_DISTANCE = 1e-8  # scene units²: a light in the paint's box is merely very bright
 _NOT_FOLLOWED = " (an instance: a render without the add-on has its sparkles where it is now)"
 
 
+_Squared = TypeVar("_Squared", float, np.ndarray)
 _Constants = tuple[tuple[float, float, float, float], tuple[float, float, float]]
 _OF_SCENE = METERS_PER_UNIT, OTHER_LIGHT
 
@@ -170,8 +173,8 @@ def fill(scene: bpy.types.Scene) -> Report:
             lights.append(each)
     lights.sort(key=lambda each: each.lamp.data.type == "AREA")  # and by name as before
     if len(lights) > SLOTS:
-        irradiance = _irradiances(lights, _painted_boxes(layers))
-        brightest = sorted(lights, key=lambda each: (each.lamp.hide_render, -irradiance[each]))
+        sent = _irradiances(lights, _painted_boxes(layers))
+        brightest = sorted(lights, key=lambda each: (each.lamp.hide_render, -sent[each]))
         for each in brightest[SLOTS:]:
             others = "other" if each.lamp.hide_render else "brighter"
             without[each] = f"{SLOTS} {others} lights have the slots"
@@ -553,22 +556,28 @@ def _irradiances(lights: list[Placed], boxes: list[_Box]) -> dict[Placed, float]
     }
 
 
-def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
-    """Without shadows; as if the light's power were normalized, and its colour its strongest."""
+def irradiance(light: bpy.types.Light, squared_distance: _Squared) -> _Squared:
+    """Of a plane that faces the light, and that an area light faces, W/m².
+
+    Without shadows; as if the light's power were normalized, and its colour its strongest.
+    """
     strength = light.energy * max(light.color) * 2**light.exposure
     if light.type == "SUN":
-        return strength
+        return strength + 0 * squared_distance
+    return strength / ((1 if light.type == "AREA" else 4) * math.pi * squared_distance)
+
+
+def _irradiance(light: bpy.types.Light, matrix: Matrix, box: _Box) -> float:
     position = matrix.translation
     if isinstance(light, bpy.types.SpotLight) and not _spot_reaches(light, matrix, box):
         return 0.0
     squared_distance = max(
         (box.nearest(position) - position).length_squared,
         getattr(light, "shadow_soft_size", 0) ** 2,
-        _MIN_SQUARED_DISTANCE,
+        LEAST_SQUARED_DISTANCE,
     )
-    if isinstance(light, bpy.types.AreaLight):
-        return _faces(matrix, box) * strength / (math.pi * squared_distance)
-    return strength / (4 * math.pi * squared_distance)
+    facing = _faces(matrix, box) if isinstance(light, bpy.types.AreaLight) else 1.0
+    return facing * irradiance(light, squared_distance)
 
 
 def _faces(matrix: Matrix, box: _Box) -> float:
