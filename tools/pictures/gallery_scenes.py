@@ -116,11 +116,6 @@ def _placed(scene: bpy.types.Scene, data: bpy.types.Light, towards: Vector) -> b
     return item
 
 
-def set_world(scene: bpy.types.Scene, strength: float, colour: Sequence[float] = (1, 1, 1)) -> None:
-    background = _new_background(scene, strength)
-    background.inputs["Color"].default_value = (*colour, 1)
-
-
 def set_studio_light(
     scene: bpy.types.Scene, name: str, strength: float, turn: float = 0,
     balance: Sequence[float] = (1, 1, 1),
