@@ -57,6 +57,12 @@ def link_paint(thing: bpy.types.Object, file: Path) -> bpy.types.Material:
     return here.materials[0]
 
 
+def override_paint(thing: bpy.types.Object, file: Path) -> bpy.types.Material:
+    """Gives the thing a library override of its material, which the new file then has."""
+    thing.active_material = overridden = link_paint(thing, file).override_create()
+    return overridden
+
+
 def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
     """Into the scene: the lamp as it is now, linked from the new file."""
     bpy.data.libraries.write(str(file), {lamp})

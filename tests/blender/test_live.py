@@ -27,7 +27,7 @@ from metallic_paint.paint.parameters import coverage
 from metallic_paint.scene import carrier, follow, needs
 from metallic_paint.verify.check import check
 from recording import Layout
-from scenery import add_lamp, link_paint, nest_paint
+from scenery import add_lamp, link_paint, nest_paint, override_paint
 
 SECONDS = 300
 ALONE = Path(__file__).with_name("open_and_render.py")
@@ -513,6 +513,24 @@ def test_a_paint_within_a_group_can_be_live(ball: bpy.types.Object) -> None:
     live.set_value(node.inputs["Tilt"], 0.4)
     assert np.abs(picture() - before).max() > 0.01
     assert material.paint_of(node) == dataclasses.replace(paint, tilt=0.4)
+
+
+@pytest.mark.every_blender
+def test_an_overridden_paint_cannot_be_live(ball: bpy.types.Object, tmp_path: Path) -> None:
+    """Blender drops its new nodes when the file is opened again."""
+    ball.active_material.asset_mark()  # as such it follows the lights of this file
+    needs.fit(bpy.context.scene)
+    painted = override_paint(ball, tmp_path / "theirs.blend")
+    with operator(), pytest.raises(RuntimeError, match="is a library override, whose nodes"):
+        bpy.ops.material.metallic_paint_live()
+    nodes = sorted(node.name for node in painted.node_tree.nodes)
+    live.begin(node_of(ball), material.paint_of(node_of(ball)))
+    file = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    ball = bpy.data.objects["Ball"]
+    assert ball.active_material.override_library is not None
+    assert sorted(node.name for node in ball.active_material.node_tree.nodes) == nodes
 
 
 @pytest.mark.parametrize(

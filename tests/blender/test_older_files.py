@@ -16,6 +16,7 @@ import pytest
 from metallic_paint import verify
 from metallic_paint.paint import Paint, animation, material, migration, presets
 from metallic_paint.scene import needs
+from scenery import override_paint
 
 FILE = Path(__file__).with_name("of-0.1.0.blend")
 
@@ -119,3 +120,14 @@ def test_a_muted_link_stays_muted(scene: bpy.types.Scene) -> None:
     muted = {each.name: each.links[0].is_muted for each in node.inputs if each.is_linked}
     assert muted == {"Tilt": True, "Flake Spread": False}
     assert node.outputs["BSDF"].links[0].is_muted
+
+
+@pytest.mark.every_blender
+def test_an_overridden_paint_stays(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    """Opened again, it had the values of the old sockets on today's of the same numbers."""
+    painted = override_paint(scene.objects["Sphere"], tmp_path / "theirs.blend")
+    group = material.paint_node(painted).node_tree
+    report = migration.update()
+    assert (report.updated, report.linked) == (0, 2)  # with what it overrides
+    assert "Linked paints stay as they are: 2. Update the files" in str(report)
+    assert material.paint_node(painted).node_tree == group

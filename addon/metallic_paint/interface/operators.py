@@ -66,7 +66,13 @@ class ChangesPaint(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not on_paint(cls, context):
             return False
-        return can_change(cls, paint_node(context).id_data, "material")
+        owner = material.owner(paint_node(context), active_material(context))
+        if not can_change(cls, owner, "material"):
+            return False
+        if not material.keeps_nodes(owner):
+            cls.poll_message_set(material.OVERRIDDEN)
+            return False
+        return True
 
 
 def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:

@@ -47,6 +47,10 @@ NO_OSL = "This Blender was built without Open Shading Language, which the paint 
 _PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 LINKED = "The {} is linked from another file and cannot be changed"
+OVERRIDDEN = (
+    "The material is a library override, whose nodes are those of the other file again when this "
+    "one is opened: make it local"
+)
 
 _GPUS = {"METAL": "Metal", "ONEAPI": "oneAPI"}  # as their makers write them
 
@@ -256,6 +260,16 @@ def has_paint(material: bpy.types.Material) -> bool:
 def is_within_group(node: bpy.types.ShaderNodeGroup) -> bool:
     """Whether the paint node stands in a node group of the artist's, not in a material."""
     return not node.id_data.is_embedded_data
+
+
+def owner(node: bpy.types.ShaderNodeGroup, of: bpy.types.Material) -> bpy.types.ID:
+    """What has the paint node of a material among its nodes: a node group, or the material."""
+    return node.id_data if is_within_group(node) else of
+
+
+def keeps_nodes(owner: bpy.types.ID) -> bool:
+    """Whether what is done to its nodes stays: not where they are linked, nor in an override."""
+    return owner.is_editable and owner.override_library is None
 
 
 def rides(node: bpy.types.ShaderNodeGroup) -> bool:

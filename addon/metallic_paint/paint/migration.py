@@ -20,7 +20,6 @@ from . import animation, material, shader
 _PARKED = "metallic_paint_parked["
 
 Value = float | tuple[float, ...]  # of a socket
-_InTree = tuple[bpy.types.NodeTree, bpy.types.ShaderNodeGroup]
 _Parked = tuple[bpy.types.ShaderNodeGroup, str, str]  # socket's node and label, rest of the path
 
 
@@ -64,14 +63,14 @@ def update() -> Report:
     """
     report = Report()
     found = list(_outdated_nodes())
-    nodes = [(tree, node) for tree, node in found if tree.is_editable]
+    nodes = [node for owner, node in found if material.keeps_nodes(owner)]
     report.updated, report.linked = len(nodes), len(found) - len(nodes)
     material.node_group()  # where the shader does not compile, all stays as it is
     parked = _park_animation(nodes)
-    for tree, node in nodes:
+    for node in nodes:
         report.riding += material.ANCHOR.label not in node.inputs
-        report.lost |= _update(tree, node)
-    report.lost |= _unpark_animation([tree for tree, _ in nodes], parked)
+        report.lost |= _update(node)
+    report.lost |= _unpark_animation([node.id_data for node in nodes], parked)
     _remove_unused()
     return report
 
@@ -86,16 +85,19 @@ def _digest() -> str:
     return material.digest(shader.source())
 
 
-def _outdated_nodes() -> Iterator[_InTree]:
-    trees = [each.node_tree for each in bpy.data.materials if each.node_tree]
-    for tree in (*trees, *bpy.data.node_groups):
+def _outdated_nodes() -> Iterator[tuple[bpy.types.ID, bpy.types.ShaderNodeGroup]]:
+    """Each with the material or node group that it stands in."""
+    owners = [each for each in bpy.data.materials if each.node_tree]
+    for owner in (*owners, *bpy.data.node_groups):
+        tree = owner.node_tree if isinstance(owner, bpy.types.Material) else owner
         for node in tree.nodes:
             if node.type == "GROUP" and node.node_tree and _is_outdated(node.node_tree):
-                yield tree, node
+                yield owner, node
 
 
-def _update(tree: bpy.types.NodeTree, node: bpy.types.ShaderNodeGroup) -> set[str]:
+def _update(node: bpy.types.ShaderNodeGroup) -> set[str]:
     """Returns the labels that were in use and are no more."""
+    tree = node.id_data
     values = {each.name: _value(each) for each in node.inputs if hasattr(each, "default_value")}
     links = [
         (link.from_node, link.from_socket, link.to_node, link.to_socket,
@@ -144,15 +146,15 @@ def _fitting(value: Value | None, default: Value, socket: bpy.types.NodeSocket) 
     return round(value) if socket.type == "INT" else value
 
 
-def _park_animation(nodes: list[_InTree]) -> list[_Parked]:
+def _park_animation(nodes: list[bpy.types.ShaderNodeGroup]) -> list[_Parked]:
     """Keys and drivers name a socket by its number: meanwhile by their own, which nothing bears.
 
     Blender 5 would delete those of sockets that go. Copies of a material share their keys: all are
     parked before any node changes, so that none is counted anew twice.
     """
     parked: list[_Parked] = []
-    for tree, node in nodes:
-        for curve, socket, rest in animation.of_inputs(tree, node):
+    for node in nodes:
+        for curve, socket, rest in animation.of_inputs(node.id_data, node):
             curve.data_path = f"{_PARKED}{len(parked)}]"
             parked.append((node, socket.name, rest))
     return parked

@@ -77,7 +77,7 @@ def give(scene: bpy.types.Scene) -> Report:
     left: dict[bpy.types.Object, str] = {}
     for thing in filter(lacks, scene.objects):
         unconnected = {node: of for node, of in _riding(thing).items() if not _is_linked(node)}
-        elsewhere = [of.name_full for of in unconnected.values() if not _is_own(of)]
+        elsewhere = [of.name_full for of in unconnected.values() if not material.keeps_nodes(of)]
         if thing.library is not None:
             left[thing] = "it is linked from another file, where this is to be done"
         elif elsewhere:
@@ -90,15 +90,10 @@ def give(scene: bpy.types.Scene) -> Report:
     return Report(tuple(given), left)
 
 
-def _is_own(of: bpy.types.ID) -> bool:
-    """Whether its nodes can be changed: not those of an override."""
-    return of.library is None and of.override_library is None
-
-
 def _riding(thing: bpy.types.Object) -> dict[bpy.types.ShaderNodeGroup, bpy.types.ID]:
-    """Its paints whose sparkles belong to the surface, each with its material or node group."""
+    """Its paints whose sparkles belong to the surface, each with its owner."""
     return {
-        node: node.id_data if material.is_within_group(node) else slot.material
+        node: material.owner(node, slot.material)
         for slot in thing.material_slots
         if slot.material
         for node in material.paint_nodes(slot.material.node_tree)
