@@ -91,7 +91,9 @@ def _outdated_nodes() -> Iterator[tuple[bpy.types.ID, bpy.types.ShaderNodeGroup]
     for owner in (*owners, *bpy.data.node_groups):
         tree = owner.node_tree if isinstance(owner, bpy.types.Material) else owner
         for node in tree.nodes:
-            if node.type == "GROUP" and node.node_tree and _is_outdated(node.node_tree):
+            if not isinstance(node, bpy.types.ShaderNodeGroup) or node.node_tree is None:
+                continue
+            if _is_outdated(node.node_tree):
                 yield owner, node
 
 
