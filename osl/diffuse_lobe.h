@@ -4,6 +4,7 @@
 #pragma once
 
 #include "layer.h"
+#include "mixture.h"
 #include "refraction.h"
 
 #define RAMP_COLORS 8
@@ -11,8 +12,8 @@
 color by_slant(Layer layer)
 {
   color absorption = max(layer.binder_depth - color(layer.rayleigh_depth), color(0.0));
-  color c = layer.shared_blocking;
-  return 1.1 * c / (color(1.0) + c * 0.25) - absorption * 1.5;
+  float per_flakes = 2.0 * (1.0 - 1.09 * glossy_roughness(layer));
+  return layer.shared_blocking * per_flakes - absorption * 1.5;
 }
 
 color let_in(float cosine, float eta, color slanted)
@@ -20,7 +21,7 @@ color let_in(float cosine, float eta, color slanted)
   float g = eta_cos_refracted(cosine, eta);
   float slant = 1.0 - g / eta;
   float entering = cosine * fresnel_transmittance(cosine, g, eta);
-  color z = slanted * slant;
+  color z = min(slanted * slant, color(1.0));
   return color(entering) / (color(1.0) - z * (color(1.0) - z * 0.5));
 }
 

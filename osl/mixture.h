@@ -249,7 +249,6 @@ LayerShares layer_shares(float mirror, float loss)
 struct DiffuseRates {
   float coverage;
   float cos_sum;
-  float turn_sum;
   color cone_mirror;
   color cone_loss;
   color trapped_mirror;
@@ -357,10 +356,6 @@ DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
   DiffuseRates rates;
   rates.coverage = coverage;
   rates.cos_sum = coverage * cone_area;
-  float body = 1.0;
-  if (some.orientation.kind == ORIENTATION_GGX)
-    body = 0.5;
-  rates.turn_sum = coverage * (1.0 - cone_area) * body;
   rates.cone_mirror = r_cone * cone_flux;
   rates.cone_loss = lost_colour(r_cone, t_cone) * cone_flux;
   rates.trapped_mirror = r_trapped * trapped_flux;
@@ -373,7 +368,6 @@ DiffuseRates add_diffuse(DiffuseRates a, DiffuseRates b)
   DiffuseRates sum;
   sum.coverage = a.coverage + b.coverage;
   sum.cos_sum = a.cos_sum + b.cos_sum;
-  sum.turn_sum = a.turn_sum + b.turn_sum;
   sum.cone_mirror = a.cone_mirror + b.cone_mirror;
   sum.cone_loss = a.cone_loss + b.cone_loss;
   sum.trapped_mirror = a.trapped_mirror + b.trapped_mirror;
@@ -640,13 +634,21 @@ MixtureShares mixture_channel(Layer layer, FlakeRates flakes, DiffuseRates diffu
 #define STRETCH 1.65
 #define LEAST_ROUGHNESS 0.005
 
-float glossy_roughness(DiffuseRates diffuse_light, float eta)
+float turn_of(Flakes some)
 {
-  if (!(diffuse_light.coverage > 0.0))
+  float body = some.orientation.kind == ORIENTATION_GGX ? 0.5 : 1.0;
+  return some.coverage * (1.0 - some.orientation.mean_cos) * body;
+}
+
+// Of the paint alone: no loop, so that OSL folds it.
+float glossy_roughness(Layer layer)
+{
+  if (!(layer.coverage > 0.0))
     return 1.0;
-  float mirrorings = 2.0 + diffuse_light.coverage / (1.0 + diffuse_light.coverage);
-  float stretch = STRETCH * eta;
-  float square = diffuse_light.turn_sum / diffuse_light.coverage * mirrorings * (stretch * stretch);
+  float mirrorings = 2.0 + layer.coverage / (1.0 + layer.coverage);
+  float stretch = STRETCH * layer.eta;
+  float turn = turn_of(layer.first) + turn_of(layer.second) + turn_of(layer.third);
+  float square = turn / layer.coverage * mirrorings * (stretch * stretch);
   return max(sqrt(square / (1.0 + square)), LEAST_ROUGHNESS);
 }
 
@@ -655,6 +657,8 @@ float glossy_exponent(float alpha)
   float square = alpha * alpha;
   return (1.0 - square) / (2.0 * square);
 }
+
+#define GLOSSY_LEAN 0.089
 
 struct Mixture {
   color diffuse_albedo;
@@ -712,7 +716,7 @@ Mixture mixture(Layer layer, float library[], color areas, color slant_view, col
   Returning back = no_returning();
   if (layer.depth_model == DEPTH_MODEL_CORRELATED)
     back = returning(layer, surface, slant_view, cos_in, cos_view);
-  sum.alpha = glossy_roughness(diffuse_light, eta);
+  sum.alpha = glossy_roughness(layer);
   float near = 1.0 - sum.alpha * sum.alpha;
   for (int c = 0; c < 3; ++c) {
     DiffuseShares diffused;

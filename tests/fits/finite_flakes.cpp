@@ -34,6 +34,11 @@ struct Seen {
   }
 };
 
+double within(const std::vector<double>& sizes, double limit) {
+  const auto count = std::count_if(sizes.begin(), sizes.end(), [&](double x) { return x < limit; });
+  return static_cast<double>(count) / static_cast<double>(sizes.size());
+}
+
 std::vector<double> sizes(std::vector<double> values) {
   for (double& value : values) value = std::fabs(value);
   return values;
@@ -41,11 +46,12 @@ std::vector<double> sizes(std::vector<double> values) {
 
 void tell(const char* name, const Seen& seen) {
   const std::vector<double> size = sizes(seen.whole), single = sizes(seen.single);
-  std::printf("| %s | %.3f | %.3f | %.3f | %.3f | %.1f | %.1f | %.3f | %.3f | %.3f | %.3f |\n",
-              name, quantile(seen.whole, 0.5), quantile(size, 0.5), quantile(size, 0.95),
-              quantile(size, 1), quantile(seen.lightness, 0.95), quantile(seen.lightness, 1),
-              quantile(single, 0.95), quantile(seen.rest, 0.5), quantile(seen.walked, 0.5),
-              quantile(seen.noise, 0.5));
+  std::printf(
+      "| %s | %.3f | %.2f | %.2f | %.3f | %.3f | %.1f | %.1f | %.3f | %.3f | %.3f | %.3f |\n", name,
+      quantile(seen.whole, 0.5), within(size, 0.05), within(size, 0.1), quantile(size, 0.95),
+      quantile(size, 1), quantile(seen.lightness, 0.95), quantile(seen.lightness, 1),
+      quantile(single, 0.95), quantile(seen.rest, 0.5), quantile(seen.walked, 0.5),
+      quantile(seen.noise, 0.5));
 }
 
 }  // namespace
@@ -108,9 +114,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%d of %d\n", k + 1, paints);
   }
   std::printf(
-      "| light, view, azimuth between | median | size, median | 95 %% | worst | L*, 95 %% | L*, "
-      "worst | single, 95 %% | rest, median | walk's rest, median | noise |\n"
-      "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+      "| light, view, azimuth between | median | within 5 %% | within 10 %% | 95 %% | worst "
+      "| L*, 95 %% | L*, worst | single, 95 %% | rest, median | walk's rest, median | noise |\n"
+      "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
   Seen all, steep;
   for (std::size_t i = 0; i < kGeometriesInAll; ++i) {
     const Geometry& at = kGeometries[i];

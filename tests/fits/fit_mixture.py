@@ -33,13 +33,12 @@ EVALUATIONS = 50  # of the cost for each constant, at most
 LEAST_GAIN = 1e-4  # of the cost
 
 
-def copy_headers(folder: Path) -> None:
-    """With variables for constants."""
-    for name in ("mixture.h", "diffuse_lobe.h"):
-        text = (CORE / name).read_text()
-        (folder / name).write_text(text.replace("inline constexpr double", "inline double"))
-    # It includes both, and a header looks beside itself first.
-    (folder / "whole_paint.h").write_text((CORE / "whole_paint.h").read_text())
+def with_variables() -> dict[str, str]:
+    """Texts of the headers, with variables for constants."""
+    return {
+        name: (CORE / name).read_text().replace("inline constexpr double", "inline double")
+        for name in ("mixture.h", "diffuse_lobe.h")
+    }
 
 
 def go_on_with_scipy() -> None:
@@ -134,9 +133,8 @@ def main() -> None:
     seed = random.randrange(2**32) if arguments.seed is None else arguments.seed
     traces = arguments.traces or BUILD / "traces.txt"
     with tempfile.TemporaryDirectory() as folder:
-        copy_headers(Path(folder))
         tell("building mixture_fit")
-        program = with_headers(Path(folder), "mixture_fit")
+        program = with_headers(with_variables(), Path(folder), "mixture_fit")
         if not (arguments.traces and traces.exists()):
             counts = (arguments.paints, arguments.photons, seed)
             run(program, "trace", traces, *map(str, counts))

@@ -10,6 +10,7 @@ one core, and 15 more for all the rest. --walks FILE keeps the walks, or takes t
 from __future__ import annotations
 
 import argparse
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -153,12 +154,16 @@ def tell(what: str) -> None:
     print(what, file=sys.stderr, flush=True)
 
 
-def with_headers(folder: Path, name: str) -> Path:
-    """A program built with the headers in a folder in place of the core's."""
+def with_headers(headers: dict[str, str], folder: Path, name: str) -> Path:
+    """A program built in a folder with other texts of some of the core's headers."""
+    core = folder / "core"
+    shutil.copytree(HEADER.parent, core)
+    for header, text in headers.items():
+        (core / header).write_text(text)
     program = folder / name
     run(
         "c++", "-std=c++20", "-O2", "-ffp-contract=off",
-        "-I", folder, "-I", ROOT / "core", "-I", ROOT / "tests" / "core",
+        "-I", core, "-I", ROOT / "tests" / "core",
         ROOT / "tests" / "fits" / f"{name}.cpp",
         BUILD / "libmetallic_paint_core_compiled.a", "-lgtest", "-lpthread", "-o", program,
     )  # fmt: skip
@@ -172,8 +177,8 @@ def with_piece(piece: str, instead: str, walks: Path) -> str:
     if text.count(piece) != 1:
         raise SystemExit(f"{HEADER} holds {piece!r} {text.count(piece)} times, not once.")
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "mixture.h").write_text(text.replace(piece, instead))
-        program = with_headers(Path(folder), "mixture_error")
+        headers = {HEADER.name: text.replace(piece, instead)}
+        program = with_headers(headers, Path(folder), "mixture_error")
         return run(program, "compare", walks)
 
 
