@@ -53,7 +53,7 @@
 //   lossless paints, correlated (1000)           0.009   0.006   0.003   0.0003
 //   likewise, pearls on mica (1000)              0.004   0.003   0.002   0.0001
 //   likewise, pearls on silica (1000)            0.011   0.007   0.003   0.0004
-//   L* by angle, single flakes and M (200)        17      7.5     3.3     0.46
+//   L* by angle, single flakes and M (200)         8      3.4     2.5     0.36
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
 // from 0.05 to 5, with any colours, binder, pigment and substrate, one to three species of the
@@ -64,9 +64,9 @@
 // 0.01 of 1 for indices from 1.05 to 1.33, within 0.05 for 0.6 to 1.
 //
 // The error in L* is the root mean square over 13 directions, under three slants of light, over
-// black. Its mean is 0.95; with the diffuse lobe for all of M it would be 2.7, and 12 in 95 %.
-// Seen at 14 degrees under light at 75, the lobes show 0.95 times what the walk does in the median,
-// 0.60 to 1.08 times in all.
+// black. Its mean is 0.72; with the diffuse lobe for all of M it would be 1.7, and 7.8 in 95 %.
+// Seen at 14 degrees under light at 75, the lobes show 0.92 times what the walk does in the median,
+// 0.72 to 1.08 times in all.
 #pragma once
 
 #include <algorithm>
@@ -568,7 +568,7 @@ DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>:
 // What flakes scatter several times keeps to the holes as well, by no formula that we have. So n,
 // the lobe's height and kLean are fitted to all that finite flakes show (390 paints of
 // tests/fits/finite_scenes.h; tests/fits/fit_mixture.py fits them anew). The whole paint is within
-// 5 % in 0.86 of 1056 fresh cases. Fitted to exp(c k) alone, the lobe is wider and lower, and at 15
+// 5 % in 0.84 of 1056 fresh cases. Fitted to exp(c k) alone, the lobe is wider and lower, and at 15
 // degrees from its light the paint is 4 % too dark in the median. Of exp(c k) the logarithm errs by
 // a root mean square of 0.12 over all lights, by 0.39 with k = 0 and by 0.17 with the best diffuse
 // lobe (docs/fits.md).
@@ -753,9 +753,9 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
 // Roughness alpha of the glossy lobe, alpha^2/(1 - alpha^2) = s. The lobe is broader than that of
 // single flakes: each mirroring adds its tilt, so s goes with the square of a typical tilt times
 // two or three. Half of ggx's square is in its tail. Refraction magnifies s by eta^2. kStretch is
-// fitted to finite flakes. Beside the walk by angle the mean error in L* is least there, and 0.3 %
-// and 5 % more at 1.82 and 1.49. alpha is within a factor of 1.10 of what suits a paint best, 1.40
-// in 95 % (docs/fits.md).
+// fitted to finite flakes. Beside the walk by angle the mean error in L* is least there, and 1 %
+// and 3 % more at 1.82 and 1.49. alpha is within a factor of 1.07 of what suits a paint best in the
+// median (docs/fits.md).
 inline constexpr double kStretch = 1.65;
 // At least as wide as the sun: a mirrored lamp without size would be a speck that samples miss.
 inline constexpr double kLeastRoughness = 0.005;
@@ -786,10 +786,6 @@ T glossy_exponent(T alpha) {
   const T square = alpha * alpha;
   return (1 - square) / (2 * square);
 }
-// Its axis leans away from the normal, where refraction stretches what comes out: glossy_normal of
-// whole_paint.h. Fitted to finite flakes; without it 0.855 of 1646 cases would be within 5 %, with
-// it 0.869 are.
-inline constexpr double kGlossyLean = 0.089;
 
 // M(v) = diffuse + glossy + returned.
 template <class T>

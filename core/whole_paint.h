@@ -50,22 +50,6 @@ struct Stack {
   T returned_scale = 1;  // likewise over the share of the returning lobe above the surface
 };
 
-// About it the glossy lobe mirrors the view. It is tilted away from the view by kGlossyLean c s, c
-// and s the view's cosine and sine, which leaves the lobe's axis above the surface.
-template <class T>
-Vec3<T> glossy_normal(Vec3<T> normal, Vec3<T> view) {
-  const T away = T(kGlossyLean) * max(dot(normal, view), T(0));
-  const Vec3<T> sum = normal * (1 + away * dot(normal, view)) - view * away;
-  return sum * (1 / length(sum));
-}
-
-// About it the returning lobe mirrors the view: near the view, leaning to the normal.
-template <class T>
-Vec3<T> returning_normal(Vec3<T> normal, Vec3<T> view) {
-  const Vec3<T> sum = view + normal * T(kLean);
-  return sum * (1 / length(sum));
-}
-
 // `coat_normal`: of the binder's surface, before the orange peel.
 template <class T>
 Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoint<T>& point,
@@ -105,9 +89,7 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   stack.exponent = scattered.exponent;
   stack.returned_scale = 1 / scattered.above;
   stack.glossy_exponent = glossy_exponent(scattered.alpha);
-  const Vec3<T> glossy_about = glossy_normal(point.normal, point.view);
-  stack.glossy_scale =
-      1 / phong_albedo(seen_cosine(glossy_about, point.view), stack.glossy_exponent);
+  stack.glossy_scale = 1 / phong_albedo(cos_view, stack.glossy_exponent);
   stack.ramp = make_ramp(layer);
   // What the sparkles outshine is Lambertian, as published.
   if (paint.composition == Composition::published) {
@@ -133,6 +115,13 @@ Stack<T> make_stack(const Paint& paint, const Layer<T>& layer, const SurfacePoin
   return stack;
 }
 
+// About it the returning lobe mirrors the view: near the view, leaning to the normal.
+template <class T>
+Vec3<T> returning_normal(Vec3<T> normal, Vec3<T> view) {
+  const Vec3<T> sum = view + normal * T(kLean);
+  return sum * (1 / length(sum));
+}
+
 // f cos(theta') of the diffuse, the glossy and the returning lobe, 1/sr. As published the diffuse
 // one is Lambertian.
 template <class T>
@@ -140,9 +129,8 @@ Rgb<T> scattered_by(const Stack<T>& stack, const SurfacePoint<T>& point, Vec3<T>
   const T cos_light = max(dot(point.normal, light), T(0));
   Rgb<T> shape = grey(cos_light);
   if (stack.composition == Composition::exact) shape = ramp_at(stack.ramp, cos_light);
-  const T lobe = phong_lobe(glossy_normal(point.normal, point.view), point.view, light,
-                            stack.glossy_exponent) *
-                 stack.glossy_scale;
+  const T lobe =
+      phong_lobe(point.normal, point.view, light, stack.glossy_exponent) * stack.glossy_scale;
   const T returned =
       phong_lobe(returning_normal(point.normal, point.view), point.view, light, stack.exponent) *
       stack.returned_scale;

@@ -658,8 +658,6 @@ float glossy_exponent(float alpha)
   return (1.0 - square) / (2.0 * square);
 }
 
-#define GLOSSY_LEAN 0.089
-
 struct Mixture {
   color diffuse_albedo;
   color glossy_albedo;

@@ -31,8 +31,7 @@ closure color mixture_lobes(Paint paint, Layer layer, Stack stack, vector n, vec
     shown = stack.diffuse * diffuse_ramp(n, ramp);
     if (!by_chance || at < of_glossy) {
       float scale = by_chance ? of_all / of_glossy : 1.0;
-      shown += stack.glossy * (stack.glossy_scale * scale) *
-               phong_ramp(glossy_normal(n, view), stack.glossy_exponent, white);
+      shown += stack.glossy * (stack.glossy_scale * scale) * phong_ramp(n, stack.glossy_exponent, white);
     }
     if (!by_chance || (at >= of_glossy && at < of_glossy + of_foot)) {
       float scale = by_chance ? of_all / of_foot : 1.0;

@@ -27,20 +27,6 @@ struct Stack {
   float texture;
 };
 
-vector glossy_normal(vector n, vector view)
-{
-  float cos_view = inner_product(n, view);
-  float away = GLOSSY_LEAN * max(cos_view, 0.0);
-  vector sum = n * (1.0 + away * cos_view) - view * away;
-  return sum * (1.0 / sqrt(inner_product(sum, sum)));
-}
-
-vector returning_normal(vector n, vector view)
-{
-  vector sum = view + n * LEAN;
-  return sum * (1.0 / sqrt(inner_product(sum, sum)));
-}
-
 // What no light has a part in.
 Stack make_stack(Paint given, Layer layer, float library[], SurfacePoint surface, vector given_coat_n,
                  int frame)
@@ -79,8 +65,7 @@ Stack make_stack(Paint given, Layer layer, float library[], SurfacePoint surface
   stack.exponent = scattered.exponent;
   stack.returned_scale = 1.0 / scattered.above;
   stack.glossy_exponent = glossy_exponent(scattered.alpha);
-  vector glossy_about = glossy_normal(n, surface.view);
-  stack.glossy_scale = 1.0 / phong_albedo(seen_cosine(glossy_about, surface.view), stack.glossy_exponent);
+  stack.glossy_scale = 1.0 / phong_albedo(cos_view, stack.glossy_exponent);
   // What the sparkles outshine is Lambertian, as published.
   if (given.composition == COMPOSITION_PUBLISHED) {
     stack.diffuse = stack.diffuse + stack.glossy + stack.returned;
@@ -94,4 +79,10 @@ Stack make_stack(Paint given, Layer layer, float library[], SurfacePoint surface
   stack.glossy = stack.glossy * stack.texture;
   stack.returned = stack.returned * stack.texture;
   return stack;
+}
+
+vector returning_normal(vector n, vector view)
+{
+  vector sum = view + n * LEAN;
+  return sum * (1.0 / sqrt(inner_product(sum, sum)));
 }

@@ -16,7 +16,6 @@
 #include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
-#include "whole_paint.h"
 
 namespace {
 
@@ -73,9 +72,8 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
       flake_brdf(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), Vec3<T>(scene.light));
   const auto lobe = sample_flake(layer, Vec3<T>(scene.normal), Vec3<T>(scene.view), T(0.7), T(0.3));
   const Ramp<T> ramp = make_ramp(layer);
-  const Vec3<T> glossy_about = glossy_normal(point.normal, point.view);
   const T glossy =
-      phong_albedo(seen_cosine(glossy_about, point.view), glossy_exponent(scattered.alpha));
+      phong_albedo(seen_cosine(point.normal, point.view), glossy_exponent(scattered.alpha));
   const int raised = std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
   const char* type = sizeof(T) == 4 ? "float" : "double";
   ASSERT_EQ(raised, 0) << type << " floating-point exceptions " << raised << ' ' << scene;

@@ -177,11 +177,7 @@ class GlossyLobe {
  public:
   GlossyLobe(double cos_light, double alpha)
       : exponent_(glossy_exponent(alpha)),
-        normal_(std::sin(tilt(cos_light)), 0, std::cos(tilt(cos_light))) {
-    const double slant = std::acos(cos_light) + 2 * tilt(cos_light);
-    const Vec3<double> mirrored{std::sin(slant), 0, std::cos(slant)};
-    const Vec3<double> across{mirrored.z, 0, -mirrored.x};
-    mirrored_ = mirrored;
+        mirrored_(std::sqrt(1 - cos_light * cos_light), 0, cos_light) {
     // cos^n about the mirror image is uniform in u = its integral from the pole.
     constexpr int kPolar = 120, kAzimuths = 60;
     double sum = 0;
@@ -190,9 +186,7 @@ class GlossyLobe {
       const double sine = std::sqrt(1 - cosine * cosine);
       for (int j = 0; j < kAzimuths; ++j) {
         const double phi = 2 * std::numbers::pi * (j + 0.5) / kAzimuths;
-        const Vec3<double> light = mirrored * cosine + across * (sine * std::cos(phi)) +
-                                   Vec3<double>{0, sine * std::sin(phi), 0};
-        if (light.z > 0) sum += std::max(dot(normal_, light), 0.0);
+        sum += std::max(cosine * cos_light - sine * mirrored_.x * std::cos(phi), 0.0);
       }
     }
     albedo_ = sum / (kPolar * kAzimuths);
@@ -200,20 +194,12 @@ class GlossyLobe {
 
   double operator()(Vec3<double> view) const {
     const double along = dot(mirrored_, view);
-    const double slanted = std::max(dot(normal_, view), 0.0) / view.z;
-    return along > 0 ? (exponent_ + 1) / 2 * std::pow(along, exponent_) * slanted / albedo_ : 0;
+    return along > 0 ? (exponent_ + 1) / 2 * std::pow(along, exponent_) / albedo_ : 0;
   }
 
  private:
-  // Of the lobe's normal, away from the light: glossy_normal() of core/whole_paint.h leaves n + k c
-  // s across, c the light's cosine and s its sine.
-  static double tilt(double cos_light) {
-    const double sine = std::sqrt(1 - cos_light * cos_light);
-    return std::atan2(kGlossyLean * cos_light * sine, 1.0);
-  }
-
   double exponent_;
-  Vec3<double> normal_, mirrored_;
+  Vec3<double> mirrored_;
   double albedo_ = 1;
 };
 

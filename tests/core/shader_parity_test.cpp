@@ -472,8 +472,6 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   same("stack's glossy exponent", shader_stack.glossy_exponent, stack.glossy_exponent);
   same("glossy_scale", shader_stack.glossy_scale, stack.glossy_scale);
   same("returned_scale", shader_stack.returned_scale, stack.returned_scale);
-  same("glossy_normal", osl::glossy_normal(surface.n, surface.view),
-       glossy_normal(point.normal, point.view));
   same("returning_normal", osl::returning_normal(surface.n, surface.view),
        returning_normal(point.normal, point.view));
   same("texture", shader_stack.texture, stack.texture);

@@ -188,11 +188,11 @@ const std::array<Group, 2> groups = {{
       METALLIC_PAINT_CONSTANT(kBetweenFlakes)},
      albedo_cost},
     {"lobes",
-     {METALLIC_PAINT_CONSTANT(kStretch), METALLIC_PAINT_CONSTANT(kGlossyLean),
-      METALLIC_PAINT_CONSTANT(kLean), METALLIC_PAINT_CONSTANT(kReturnExponent),
-      METALLIC_PAINT_CONSTANT(kReturnNarrowing), METALLIC_PAINT_CONSTANT(kReturnHeight),
-      METALLIC_PAINT_CONSTANT(kReturnLowering), METALLIC_PAINT_CONSTANT(kFlakesBySlant),
-      METALLIC_PAINT_CONSTANT(kTiltBySlant), METALLIC_PAINT_CONSTANT(kAbsorptionBySlant)},
+     {METALLIC_PAINT_CONSTANT(kStretch), METALLIC_PAINT_CONSTANT(kLean),
+      METALLIC_PAINT_CONSTANT(kReturnExponent), METALLIC_PAINT_CONSTANT(kReturnNarrowing),
+      METALLIC_PAINT_CONSTANT(kReturnHeight), METALLIC_PAINT_CONSTANT(kReturnLowering),
+      METALLIC_PAINT_CONSTANT(kFlakesBySlant), METALLIC_PAINT_CONSTANT(kTiltBySlant),
+      METALLIC_PAINT_CONSTANT(kAbsorptionBySlant)},
      radiance_cost},
 }};
 #undef METALLIC_PAINT_CONSTANT
