@@ -24,9 +24,9 @@
 // docs/fits.md), and what a Lambertian lobe would:
 //
 //   light at           0      45     60     75     80     85
-//   median             1.00   1.00   1.00   1.00   1.00   1.01
-//   5 %                0.88   0.96   0.95   0.93   0.92   0.93
-//   95 %               1.19   1.10   1.08   1.08   1.08   1.10
+//   median             1.00   1.00   1.00   0.99   0.99   1.01
+//   5 %                0.89   0.94   0.94   0.92   0.91   0.92
+//   95 %               1.16   1.10   1.08   1.06   1.06   1.08
 //   Lambertian, median 0.95   0.96   0.99   1.20   1.46   2.29
 #pragma once
 
@@ -51,9 +51,9 @@ struct Ramp {
 };
 
 // Fitted to finite flakes, 150 paints of indices from 1.4 to 1.6 and coverages from 0.1 to 3
-// (tests/fits/fit_mixture.py fits them anew). The mean relative error of the whole paint is 2.7 %
-// on 150 others; without the first it would be 3.6 %, without the last 2.9 %. The second at 0 with
-// the first at 1.1 makes 2.8 %.
+// (tests/fits/fit_mixture.py fits them anew). The mean relative error of the whole paint is 2.8 %
+// on 150 others; without the first it would be 3.8 %, without the last 3.0 %. The second at 0 with
+// the first at 1.1 makes 2.9 %.
 inline constexpr double kFlakesBySlant = 2, kTiltBySlant = 1.09;
 inline constexpr double kAbsorptionBySlant = 1.5;
 

@@ -53,7 +53,7 @@
 //   lossless paints, correlated (1000)           0.009   0.006   0.003   0.0003
 //   likewise, pearls on mica (1000)              0.004   0.003   0.002   0.0001
 //   likewise, pearls on silica (1000)            0.011   0.007   0.003   0.0004
-//   L* by angle, single flakes and M (200)         8      3.4     2.5     0.36
+//   L* by angle, single flakes and M (200)         7      3.5     2.5     0.35
 //
 // In brackets: so many paints, of indices from 1.33 to 1.8, tilts from 0.02 to 0.6 and coverages
 // from 0.05 to 5, with any colours, binder, pigment and substrate, one to three species of the
@@ -64,9 +64,9 @@
 // 0.01 of 1 for indices from 1.05 to 1.33, within 0.05 for 0.6 to 1.
 //
 // The error in L* is the root mean square over 13 directions, under three slants of light, over
-// black. Its mean is 0.72; with the diffuse lobe for all of M it would be 1.7, and 7.8 in 95 %.
-// Seen at 14 degrees under light at 75, the lobes show 0.92 times what the walk does in the median,
-// 0.72 to 1.08 times in all.
+// black. Its mean is 0.71; with the diffuse lobe for all of M it would be 1.7, and 7.8 in 95 %.
+// Seen at 14 degrees under light at 75, the lobes show 0.93 times what the walk does in the median,
+// 0.67 to 1.05 times in all.
 #pragma once
 
 #include <algorithm>
@@ -753,8 +753,8 @@ MixtureShares<T> mixture_channel(const Layer<T>& layer, const FlakeRates<T>& fla
 // Roughness alpha of the glossy lobe, alpha^2/(1 - alpha^2) = s. The lobe is broader than that of
 // single flakes: each mirroring adds its tilt, so s goes with the square of a typical tilt times
 // two or three. Half of ggx's square is in its tail. Refraction magnifies s by eta^2. kStretch is
-// fitted to finite flakes. Beside the walk by angle the mean error in L* is least there, and 1 %
-// and 3 % more at 1.82 and 1.49. alpha is within a factor of 1.07 of what suits a paint best in the
+// fitted to finite flakes. Beside the walk by angle the mean error in L* is least there, and 4 %
+// and 1 % more at 1.82 and 1.49. alpha is within a factor of 1.17 of what suits a paint best in the
 // median (docs/fits.md).
 inline constexpr double kStretch = 1.65;
 // At least as wide as the sun: a mirrored lamp without size would be a speck that samples miss.
