@@ -189,7 +189,7 @@ struct Mirroring {
 };
 
 // Up to this tilt two points over beta do in each of two pieces, above it three; the long tail of
-// ggx has four. docs/fits.md has three everywhere. G falls steeply about the view: with a point
+// ggx has four. docs/fits.md has three for all others. G falls steeply about the view: with a point
 // less it is too small seen from the normal, and lossless correlated paints are up to 0.03 off 1,
 // of ggx 0.014.
 inline constexpr double kNarrowTilt = 0.25;

@@ -5,7 +5,6 @@
 // paints of one or two species, light at 45 degrees and grazing; green.
 //
 //   finite_flakes [PAINTS [PHOTONS [SEED]]]; some seconds of a core for each paint
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -33,16 +32,6 @@ struct Seen {
     join(walked, more.walked), join(lightness, more.lightness), join(noise, more.noise);
   }
 };
-
-double within(const std::vector<double>& sizes, double limit) {
-  const auto count = std::count_if(sizes.begin(), sizes.end(), [&](double x) { return x < limit; });
-  return static_cast<double>(count) / static_cast<double>(sizes.size());
-}
-
-std::vector<double> sizes(std::vector<double> values) {
-  for (double& value : values) value = std::fabs(value);
-  return values;
-}
 
 void tell(const char* name, const Seen& seen) {
   const std::vector<double> size = sizes(seen.whole), single = sizes(seen.single);

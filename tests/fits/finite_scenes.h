@@ -125,4 +125,15 @@ inline double quantile(std::vector<double> values, double share) {
   return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
+inline std::vector<double> sizes(std::vector<double> values) {
+  for (double& value : values) value = std::fabs(value);
+  return values;
+}
+
+// Share of them.
+inline double within(const std::vector<double>& sizes, double limit) {
+  const auto count = std::count_if(sizes.begin(), sizes.end(), [&](double x) { return x < limit; });
+  return static_cast<double>(count) / static_cast<double>(sizes.size());
+}
+
 }  // namespace core_tests

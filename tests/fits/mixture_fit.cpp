@@ -198,21 +198,12 @@ const std::array<Group, 2> groups = {{
 #undef METALLIC_PAINT_CONSTANT
 
 std::string row(const std::string& name, const Cases& cases) {
-  const auto sizes = [](std::vector<double> values) {
-    for (double& value : values) value = std::fabs(value);
-    return values;
-  };
   const std::vector<double> radiance = sizes(errors(cases.radiances, radiance_error));
   const std::vector<double> albedo = sizes(errors(cases.albedos, albedo_error));
-  const auto within = [&](double limit) {
-    const auto count = std::count_if(radiance.begin(), radiance.end(),
-                                     [&](double error) { return error < limit; });
-    return static_cast<double>(count) / static_cast<double>(radiance.size());
-  };
   char text[200];
   std::snprintf(text, sizeof text, "| %s | %zu | %.3f | %.3f | %.4f | %zu | %.4f |\n", name.c_str(),
-                radiance.size(), within(0.05), within(0.1), mean(radiance), albedo.size(),
-                quantile(albedo, 0.95));
+                radiance.size(), within(radiance, 0.05), within(radiance, 0.1), mean(radiance),
+                albedo.size(), quantile(albedo, 0.95));
   return text;
 }
 

@@ -563,7 +563,7 @@ def irradiance(light: bpy.types.Light, squared_distance: _Squared) -> _Squared:
     """
     strength = light.energy * max(light.color) * 2**light.exposure
     if light.type == "SUN":
-        return strength + 0 * squared_distance
+        return strength + 0 * squared_distance  # as many as there are distances
     return strength / ((1 if light.type == "AREA" else 4) * math.pi * squared_distance)
 
 
