@@ -39,6 +39,13 @@ inline bool is_clear(CoatingKind kind) {
   return static_cast<int>(kind) >= kFirstPearl && kind != CoatingKind::fe2o3_on_aluminium;
 }
 
+// Whether the film's colours turn over within the angles of one flake's lobe: silica is as thick as
+// a wave, and even, where mica adds no colour.
+inline bool is_on_silica(CoatingKind kind) {
+  return kind == CoatingKind::tio2_on_silica || kind == CoatingKind::tio2_on_thin_silica ||
+         kind == CoatingKind::fe2o3_on_silica;
+}
+
 // First row of a kind's reflectances.
 inline int coating_row(int kind) {
   return kind < kFirstPearl ? kind - 1 : kFirstPearl - 1 + (kind - kFirstPearl) * kCoatingRows;

@@ -177,21 +177,29 @@ T edge_deviate(const OrientationDensity<T>& density, T versine) {
   return tilt_deviate(density, versine / (4 * (1 + cos_beta)));
 }
 
+// E/(1 - r_s): what escapes from single flakes, with both ways independent of each other; and
+// correlated, of that depth model only.
+template <class T>
+struct SingleShares {
+  Rgb<T> independent{}, correlated{};
+};
+
 // Averages over the flakes' normals with the weight p |v . m|, for light from v.
 template <class T>
 struct Mirroring {
   T cone{};      // mirrored into the cone that the surface lets out
   T escaping{};  // of that, what it does let out
-  // Escaping, times the cosine on the flake or of the exit in the binder, and their products.
-  T cos_alpha{}, cos_exit{}, cos2_alpha{}, cos_alpha_exit{};
+  // Escaping, times the cosine on the flake or of the exit in the binder.
+  T cos_alpha{}, cos_exit{};
   // Likewise G of hot_spot.h for the colour that is blocked most, its square, and delta.
   T in_common{}, in_common2{}, delta{};
+  SingleShares<T> on_silica{};  // escaping, times r_p and T, of flakes on silica
 };
 
 // Up to this tilt two points over beta do in each of two pieces, above it three; the long tail of
-// ggx has four. docs/fits.md has three for all others. G falls steeply about the view: with a point
-// less it is too small seen from the normal, and lossless correlated paints are up to 0.03 off 1,
-// of ggx 0.014.
+// ggx and the films on silica have four. docs/fits.md has three for all others. G falls steeply
+// about the view: with a point less it is too small seen from the normal, and lossless correlated
+// paints are up to 0.03 off 1, of ggx 0.014.
 inline constexpr double kNarrowTilt = 0.25;
 
 // Of an arc over the azimuth: two points, as of Gauss in x, where the azimuth is x + a x (1 - x) of
@@ -212,13 +220,17 @@ inline constexpr double kFewFlakes = 1e-3;
 // for phi below a limit: all phi while 2 beta < |critical angle - angle of v|, if v is inside the
 // cone (else none), and none from the sum of the two angles on. Two unit vectors as far apart as
 // that have a difference whose square is 2 (1 - cos(2 beta)). In between the limit has roots at
-// both ends, smoothed by x^2 (3 - 2x); before, the Fresnel transmittance has one at the end,
-// smoothed by x (2 - x). The share that escapes of what the flakes meet is within 0.07 of the
-// average over the normals, in 95 % within 0.02 (2000 cases, docs/fits.md).
+// both ends, which x^2 (3 - 2x) smooths; before, the Fresnel transmittance has one at the end, as
+// x (2 - x) does, and G about the view another one at the begin. Half of each does best: with
+// x (2 - x) before the limit and x^2 (3 - 2x) beyond it, lossless correlated paints are up to 0.011
+// off 1, so 0.006 (3000 of their own colours). The share that escapes of what the flakes meet is
+// within 0.07 of the average over the normals, in 95 % within 0.02 (2000 cases, docs/fits.md).
 template <class T>
-Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& density,
+Mirroring<T> mirror_out(const Layer<T>& layer, const Flakes<T>& flakes,
                         const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
   Mirroring<T> sum;
+  const OrientationDensity<T>& density = flakes.orientation;
+  const bool on_silica = is_on_silica(flakes.coating.kind);
   const T sin_in = sqrt((1 - cos_in) * (1 + cos_in));
   const T critical = surface.critical;
   const T sin_critical = sqrt((1 - critical) * (1 + critical));
@@ -228,9 +240,9 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
   const T depth = max_component(slant_view) * cos_in;
   T from = density.kind == Orientation::beckmann ? T(1) : T(0);
   constexpr T half_turn = std::numbers::pi_v<T> / 2;  // of phi/2
-  const bool tailed = density.kind == Orientation::ggx;
-  const bool narrow = !tailed && density.tilt <= T(kNarrowTilt);
-  const int points = narrow ? 2 : tailed ? 4 : kMixturePoints;
+  const bool four = density.kind == Orientation::ggx || on_silica;
+  const bool narrow = !four && density.tilt <= T(kNarrowTilt);
+  const int points = narrow ? 2 : four ? 4 : kMixturePoints;
   for (int piece = 0; piece < 2; ++piece) {
     const T along = piece == 0 ? sin_in - sin_critical : sin_in + sin_critical;
     const T to = edge_deviate(density, (across * across + along * along) / 2);
@@ -243,15 +255,14 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
       T x = 0, weight = T(0.5);
       if (narrow) {
         x = kPairNode<T>[i];
-      } else if (tailed) {
+      } else if (four) {
         x = kFourNode<T>[i];
         weight = kFourWeight<T>[i];
       } else {
         x = kMixtureNode<T>[i];
         weight = kMixtureWeight<T>[i];
       }
-      const T place = piece == 0 ? x * (2 - x) : x * x * (3 - 2 * x);
-      const T slope = piece == 0 ? 2 * (1 - x) : 6 * x * (1 - x);
+      const T place = x * (1 + x * (1 - x)), slope = 1 + x * (2 - 3 * x);
       const SampledTilt<T> tilt = sample_tilt(density, begin + span * place);
       const T h = tilt.sin2_half_beta;
       const T cos_beta = 1 - 2 * h;
@@ -282,20 +293,29 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const OrientationDensity<T>& dens
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.cos_exit = sum.cos_exit + escaping * cos_exit;
-        sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
-        sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
-        if (layer.depth_model == DepthModel::correlated && escaping > 0) {
+        if (!(escaping > 0)) continue;
+        T delta = 0;
+        if (layer.depth_model == DepthModel::correlated) {
           // delta is |v_t/c - l_t/e|. With l = 2 cos(alpha) m - v that is |v_t (1/c + 1/e) -
           // 2 cos(alpha) m_t/e|, m_t of the length sin(beta) at phi.
           const T way_out = 1 / cos_exit;
           const T turned = 2 * cos_alpha * way_out * sin_beta;
           const T apart = sin_in * (way_in + way_out) - turned * cos_phi;
           const T aside = turned * turned * ((1 - cos_phi) * (1 + cos_phi));
-          const T delta = sqrt(apart * apart + aside);
+          delta = sqrt(apart * apart + aside);
           const T shared = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * shared;
           sum.in_common2 = sum.in_common2 + escaping * shared * shared;
           sum.delta = sum.delta + escaping * delta;
+        }
+        if (on_silica) {
+          const Rgb<T> slant_out = slant_depth_of(layer, max(cos_exit, T(kLeastCosine)));
+          const Rgb<T> r = coating_reflectance(flakes.coating, cos_alpha) * escaping;
+          const auto passed = [](T slant) { return mean_transmittance(slant); };
+          SingleShares<T>& single = sum.on_silica;
+          single.independent = single.independent + r * map(slant_view + slant_out, passed);
+          single.correlated = single.correlated +
+                              r * map(there_and_back(layer, slant_view, slant_out, delta), passed);
         }
       }
     }
@@ -332,13 +352,6 @@ struct DiffuseRates {
   Rgb<T> trapped_mirror{}, trapped_loss{};
 };
 
-// E/(1 - r_s): what escapes from single flakes, with both ways independent of each other; and
-// correlated, of that depth model only.
-template <class T>
-struct SingleShares {
-  Rgb<T> independent{}, correlated{};
-};
-
 // Likewise to light about the view, g.
 template <class T>
 struct FlakeRates {
@@ -353,54 +366,37 @@ Rgb<T> lost_colour(Rgb<T> mirrored, Rgb<T> passed) {
   return map(grey(T(1)) - mirrored - passed, [](T x) { return max(x, T(0)); });
 }
 
-// r_p and T averaged over what escapes, at its mean angles. A pearl's film turns over with the
-// angle: it is taken at a deviation of cos(alpha) on either side, where the exit's cosine is the
-// one that linear regression expects. Correlated, G is taken at a deviation on either side too, and
-// differs among colours as it does at the mean delta. E is within 0.010 of the lobe's integral, in
-// 95 % within 0.002 (2000 cases, docs/fits.md).
+// r_p and T averaged over what escapes: on silica point by point, of all others at the mean angles.
+// There G, correlated, is taken at a deviation on either side, and differs among colours as it does
+// at the mean delta. E is within 0.010 of the lobe's integral, in 95 % within 0.002 (2000 cases,
+// docs/fits.md).
 template <class T>
 SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
                             const Mirroring<T>& mirrored, Rgb<T> slant_view) {
-  if (!(mirrored.escaping > 0)) return {};
-  const T cos_alpha = mirrored.cos_alpha / mirrored.escaping;
-  const T cos_exit = mirrored.cos_exit / mirrored.escaping;
-  T deviation = 0, shift = 0;
-  if (is_clear(coating.kind)) {
-    const T variance = mirrored.cos2_alpha / mirrored.escaping - cos_alpha * cos_alpha;
-    deviation = sqrt(max(variance, T(0)));
-    if (deviation > 0) {
-      shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
-    }
+  const T escaping = mirrored.escaping;
+  if (!(escaping > 0)) return {};
+  if (is_on_silica(coating.kind)) {
+    return {mirrored.on_silica.independent / escaping, mirrored.on_silica.correlated / escaping};
   }
-  const int sides = deviation > 0 ? 2 : 1;
-  SingleShares<T> sum;
-  for (int i = 0; i < sides; ++i) {
-    const T exit = clamp(cos_exit + shift, T(kLeastCosine), T(1));
-    const Rgb<T> slant_out = slant_depth_of(layer, exit);
-    const Rgb<T> r = coating_reflectance(coating, clamp(cos_alpha + deviation, T(0), T(1)));
-    const auto passed = [](T x) { return mean_transmittance(x); };
-    sum.independent = sum.independent + r * map(slant_view + slant_out, passed);
-    if (layer.depth_model == DepthModel::correlated) {
-      const T in_common = mirrored.in_common / mirrored.escaping;
-      const T variance = mirrored.in_common2 / mirrored.escaping - in_common * in_common;
-      const T apart = sqrt(max(variance, T(0)));
-      const Rgb<T> both = slant_view + slant_out;
-      const T delta = mirrored.delta / mirrored.escaping;
-      const T most = share_in_common(layer, delta, max_component(both));
-      const Rgb<T> of_most =
-          map(both, [&](T x) { return share_in_common(layer, delta, x) / max(most, T(1e-20)); });
-      const auto dimmed = [&](T shared) {
-        return map(less_in_common(layer, both, of_most * shared), passed);
-      };
-      sum.correlated =
-          sum.correlated + r * ((dimmed(in_common + apart) + dimmed(in_common - apart)) * T(0.5));
-    }
-    deviation = -deviation;
-    shift = -shift;
+  const T cos_exit = clamp(mirrored.cos_exit / escaping, T(kLeastCosine), T(1));
+  const Rgb<T> both = slant_view + slant_depth_of(layer, cos_exit);
+  const Rgb<T> r = coating_reflectance(coating, min(mirrored.cos_alpha / escaping, T(1)));
+  const auto passed = [](T x) { return mean_transmittance(x); };
+  SingleShares<T> mean{r * map(both, passed), {}};
+  if (layer.depth_model == DepthModel::correlated) {
+    const T in_common = mirrored.in_common / escaping;
+    const T variance = mirrored.in_common2 / escaping - in_common * in_common;
+    const T apart = sqrt(max(variance, T(0)));
+    const T delta = mirrored.delta / escaping;
+    const T most = share_in_common(layer, delta, max_component(both));
+    const Rgb<T> of_most =
+        map(both, [&](T x) { return share_in_common(layer, delta, x) / max(most, T(1e-20)); });
+    const auto dimmed = [&](T shared) {
+      return map(less_in_common(layer, both, of_most * shared), passed);
+    };
+    mean.correlated = r * ((dimmed(in_common + apart) + dimmed(in_common - apart)) * T(0.5));
   }
-  sum.independent = sum.independent / static_cast<T>(sides);
-  sum.correlated = sum.correlated / static_cast<T>(sides);
-  return sum;
+  return mean;
 }
 
 // One species. Over Lambertian light in the cone the mean of <s>/cos is taken for <cos beta>:
@@ -450,7 +446,7 @@ void add_flakes(FlakeRates<T>& rates, const Layer<T>& layer, const Flakes<T>& fl
                 const DiffuseSurface<T>& surface, T cos_in, Rgb<T> slant_view) {
   const Coating<T>& coating = flakes.coating;
   const T area = mean_projected_area(flakes.orientation, cos_in);
-  const Mirroring<T> mirrored = mirror_out(layer, flakes.orientation, surface, cos_in, slant_view);
+  const Mirroring<T> mirrored = mirror_out(layer, flakes, surface, cos_in, slant_view);
   const T flux = flakes.coverage / cos_in;
   const Rgb<T> r = coating_reflectance(coating, cos_in);
   const Rgb<T> t = coating_transmittance(coating, cos_in);

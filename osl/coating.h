@@ -29,6 +29,11 @@ int is_clear(int kind)
   return kind >= COATING_FIRST_PEARL && kind != COATING_FE2O3_ON_ALUMINIUM;
 }
 
+int is_on_silica(int kind)
+{
+  return kind == COATING_TIO2_ON_SILICA || kind == COATING_TIO2_ON_THIN_SILICA || kind == COATING_FE2O3_ON_SILICA;
+}
+
 int coating_row(int kind)
 {
   if (kind < COATING_FIRST_PEARL)

@@ -92,30 +92,36 @@ float edge_deviate(OrientationDensity density, float versine)
   return tilt_deviate(density, versine / (4.0 * (1.0 + cos_beta)));
 }
 
+struct SingleShares {
+  color independent;
+  color correlated;
+};
+
 struct Mirroring {
   float cone;
   float escaping;
   float cos_alpha;
   float cos_exit;
-  float cos2_alpha;
-  float cos_alpha_exit;
   float in_common;
   float in_common2;
   float delta;
+  SingleShares on_silica;
 };
 
-Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface surface, float cos_in, color slant_view)
+Mirroring mirror_out(Layer layer, Flakes some, float library[], DiffuseSurface surface, float cos_in, color slant_view)
 {
+  OrientationDensity density = some.orientation;
+  int on_silica = is_on_silica(some.coating.kind);
   Mirroring sum;
   sum.cone = 0.0;
   sum.escaping = 0.0;
   sum.cos_alpha = 0.0;
   sum.cos_exit = 0.0;
-  sum.cos2_alpha = 0.0;
-  sum.cos_alpha_exit = 0.0;
   sum.in_common = 0.0;
   sum.in_common2 = 0.0;
   sum.delta = 0.0;
+  sum.on_silica.independent = color(0.0);
+  sum.on_silica.correlated = color(0.0);
   float node[3];
   float weight[3];
   mixture_rule(node, weight);
@@ -125,12 +131,12 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
   float across = cos_in - critical;
   float way_in = 1.0 / cos_in;
   float depth = max(max(slant_view[0], slant_view[1]), slant_view[2]) * cos_in;
-  int tailed = density.kind == ORIENTATION_GGX;
-  int narrow = !tailed && density.tilt <= NARROW_TILT;
+  int four = density.kind == ORIENTATION_GGX || on_silica;
+  int narrow = !four && density.tilt <= NARROW_TILT;
   int points = MIXTURE_POINTS;
   if (narrow)
     points = 2;
-  if (tailed)
+  if (four)
     points = 4;
   float pair[2] = {PAIR_NODE, PAIR_OTHER};
   float four_node[4] = {0.0694318442, 0.330009478, 0.669990522, 0.930568156};
@@ -158,7 +164,7 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
       if (narrow) {
         x = pair[i];
       }
-      else if (tailed) {
+      else if (four) {
         x = four_node[i];
         part = four_weight[i];
       }
@@ -166,12 +172,8 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         x = node[i];
         part = weight[i];
       }
-      float place = x * (2.0 - x);
-      float slope = 2.0 * (1.0 - x);
-      if (piece == 1) {
-        place = x * x * (3.0 - 2.0 * x);
-        slope = 6.0 * x * (1.0 - x);
-      }
+      float place = x * (1.0 + x * (1.0 - x));
+      float slope = 1.0 + x * (2.0 - 3.0 * x);
       SampledTilt tilt = sample_tilt(density, begin + span * place);
       float h = tilt.sin2_half_beta;
       float cos_beta = 1.0 - 2.0 * h;
@@ -205,18 +207,26 @@ Mirroring mirror_out(Layer layer, OrientationDensity density, DiffuseSurface sur
         sum.escaping = sum.escaping + escaping;
         sum.cos_alpha = sum.cos_alpha + escaping * cos_alpha;
         sum.cos_exit = sum.cos_exit + escaping * cos_exit;
-        sum.cos2_alpha = sum.cos2_alpha + escaping * cos_alpha * cos_alpha;
-        sum.cos_alpha_exit = sum.cos_alpha_exit + escaping * cos_alpha * cos_exit;
-        if (layer.depth_model == DEPTH_MODEL_CORRELATED && escaping > 0.0) {
+        if (!(escaping > 0.0))
+          continue;
+        float delta = 0.0;
+        if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
           float way_out = 1.0 / cos_exit;
           float turned = 2.0 * cos_alpha * way_out * sin_beta;
           float apart = sin_in * (way_in + way_out) - turned * cos_phi;
           float aside = turned * turned * ((1.0 - cos_phi) * (1.0 + cos_phi));
-          float delta = sqrt(apart * apart + aside);
+          delta = sqrt(apart * apart + aside);
           float in_common = share_in_common(layer, delta, depth * (way_in + way_out));
           sum.in_common = sum.in_common + escaping * in_common;
           sum.in_common2 = sum.in_common2 + escaping * in_common * in_common;
           sum.delta = sum.delta + escaping * delta;
+        }
+        if (on_silica) {
+          color slant_out = slant_depth_of(layer, library, max(cos_exit, LEAST_COSINE));
+          color r = coating_reflectance(some.coating, library, cos_alpha) * escaping;
+          color both = there_and_back(layer, slant_view, slant_out, delta);
+          sum.on_silica.independent = sum.on_silica.independent + r * mean_transmittance(slant_view + slant_out);
+          sum.on_silica.correlated = sum.on_silica.correlated + r * mean_transmittance(both);
         }
       }
     }
@@ -255,11 +265,6 @@ struct DiffuseRates {
   color trapped_loss;
 };
 
-struct SingleShares {
-  color independent;
-  color correlated;
-};
-
 struct FlakeRates {
   color escaping;
   color inside;
@@ -289,52 +294,38 @@ color lost_colour(color mirrored, color passed)
   return max(color(1.0) - mirrored - passed, color(0.0));
 }
 
-SingleShares mean_single(Layer layer, Coating coating, float library[], Mirroring mirrored,
-                         color slant_view)
+SingleShares mean_single(Layer layer, Coating coating, float library[], Mirroring mirrored, color slant_view)
 {
-  SingleShares sum;
-  sum.independent = color(0.0);
-  sum.correlated = color(0.0);
-  if (!(mirrored.escaping > 0.0))
-    return sum;
-  float cos_alpha = mirrored.cos_alpha / mirrored.escaping;
-  float cos_exit = mirrored.cos_exit / mirrored.escaping;
-  float deviation = 0.0;
-  float shift = 0.0;
-  if (is_clear(coating.kind)) {
-    deviation = sqrt(max(mirrored.cos2_alpha / mirrored.escaping - cos_alpha * cos_alpha, 0.0));
-    if (deviation > 0.0)
-      shift = (mirrored.cos_alpha_exit / mirrored.escaping - cos_alpha * cos_exit) / deviation;
+  SingleShares mean;
+  mean.independent = color(0.0);
+  mean.correlated = color(0.0);
+  float escaping = mirrored.escaping;
+  if (!(escaping > 0.0))
+    return mean;
+  if (is_on_silica(coating.kind)) {
+    mean.independent = mirrored.on_silica.independent / escaping;
+    mean.correlated = mirrored.on_silica.correlated / escaping;
+    return mean;
   }
-  int sides = 1;
-  if (deviation > 0.0)
-    sides = 2;
-  for (int i = 0; i < sides; ++i) {
-    float exit = clamp(cos_exit + shift, LEAST_COSINE, 1.0);
-    color slant_out = slant_depth_of(layer, library, exit);
-    color r = coating_reflectance(coating, library, clamp(cos_alpha + deviation, 0.0, 1.0));
-    sum.independent = sum.independent + r * mean_transmittance(slant_view + slant_out);
-    if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
-      float in_common = mirrored.in_common / mirrored.escaping;
-      float apart = sqrt(max(mirrored.in_common2 / mirrored.escaping - in_common * in_common, 0.0));
-      color both = slant_view + slant_out;
-      color of_most = color(1.0);
-      if (channels_of(both) > 1) {
-        float delta = mirrored.delta / mirrored.escaping;
-        float most = share_in_common(layer, delta, max(max(both[0], both[1]), both[2]));
-        for (int c = 0; c < 3; ++c)
-          of_most[c] = share_in_common(layer, delta, both[c]) / max(most, 1e-20);
-      }
-      color more = mean_transmittance(less_in_common(layer, both, of_most * (in_common + apart)));
-      color less = mean_transmittance(less_in_common(layer, both, of_most * (in_common - apart)));
-      sum.correlated = sum.correlated + r * ((more + less) * 0.5);
+  float cos_exit = clamp(mirrored.cos_exit / escaping, LEAST_COSINE, 1.0);
+  color both = slant_view + slant_depth_of(layer, library, cos_exit);
+  color r = coating_reflectance(coating, library, min(mirrored.cos_alpha / escaping, 1.0));
+  mean.independent = r * mean_transmittance(both);
+  if (layer.depth_model == DEPTH_MODEL_CORRELATED) {
+    float in_common = mirrored.in_common / escaping;
+    float apart = sqrt(max(mirrored.in_common2 / escaping - in_common * in_common, 0.0));
+    color of_most = color(1.0);
+    if (channels_of(both) > 1) {
+      float delta = mirrored.delta / escaping;
+      float most = share_in_common(layer, delta, max(max(both[0], both[1]), both[2]));
+      for (int c = 0; c < 3; ++c)
+        of_most[c] = share_in_common(layer, delta, both[c]) / max(most, 1e-20);
     }
-    deviation = -deviation;
-    shift = -shift;
+    color more = mean_transmittance(less_in_common(layer, both, of_most * (in_common + apart)));
+    color less = mean_transmittance(less_in_common(layer, both, of_most * (in_common - apart)));
+    mean.correlated = r * ((more + less) * 0.5);
   }
-  sum.independent = sum.independent / sides;
-  sum.correlated = sum.correlated / sides;
-  return sum;
+  return mean;
 }
 
 DiffuseRates diffuse_rates(Flakes some, float library[], DiffuseSurface surface)
@@ -379,9 +370,8 @@ void add_flakes(output FlakeRates rates, Layer layer, int species, float library
                 DiffuseSurface surface, float cos_in, float area, color slant_view)
 {
   Flakes some = flakes_of(layer, species);
-  OrientationDensity orientation = some.orientation;
   Coating coating = some.coating;
-  Mirroring mirrored = mirror_out(layer, orientation, surface, cos_in, slant_view);
+  Mirroring mirrored = mirror_out(layer, some, library, surface, cos_in, slant_view);
   float flux = some.coverage / cos_in;
   color r = coating_reflectance(coating, library, cos_in);
   color t = coating_transmittance(coating, library, cos_in);

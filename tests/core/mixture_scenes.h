@@ -87,10 +87,7 @@ inline Paint library_paint(Random& random) {
 inline bool has_silica(const Paint& paint) {
   for (int i = 0; i < kSpecies; ++i) {
     const FlakeSpecies& flakes = paint.species(i);
-    const bool silica = flakes.coating == CoatingKind::tio2_on_silica ||
-                        flakes.coating == CoatingKind::tio2_on_thin_silica ||
-                        flakes.coating == CoatingKind::fe2o3_on_silica;
-    if (silica && flakes.flakes_per_mm2 > 0) return true;
+    if (is_on_silica(flakes.coating) && flakes.flakes_per_mm2 > 0) return true;
   }
   return false;
 }
@@ -132,6 +129,23 @@ inline SeenPaint over_white(Random& random, const Paint& paint) {
 inline SeenPaint over_black(Random& random, const Paint& paint) {
   const int slant = random.below(3);
   return {paint, grey(0.05), slant == 0 ? 0.97 : slant == 1 ? 0.7 : 0.35};
+}
+
+// Likewise of Depth Model correlated: discs of 0.05 to 2 of the layer's thickness, no pigment.
+inline SeenPaint correlated(Random& random, SeenPaint seen) {
+  Paint& paint = seen.paint;
+  paint.depth_model = DepthModel::correlated;
+  paint.layer_thickness_um = paint.flake_diameter_um / random.log_uniform(0.05, 2);
+  paint.rayleigh_per_mm = 0;
+  return seen;
+}
+
+// What r_s + E + M is off 1, in the worst colour.
+inline double furnace_error(const SeenPaint& seen) {
+  const Rgb<double> sum = grey(surface_of(seen.paint, seen.cos_view)) +
+                          single_scattering(seen.paint, seen.cos_view) +
+                          albedo_of<double>(seen.paint, seen.substrate, seen.cos_view);
+  return max_component(map(sum - grey(1.0), [](double x) { return std::fabs(x); }));
 }
 
 // Of these most of the mixture is the diffuse lobe's.

@@ -209,19 +209,6 @@ void tell_two(Random& random, const char* name, bool each) {
   tell_quantiles(name, off);
 }
 
-// What r_s + E + M of a lossless paint is off 1, in the worst colour; discs of 0.05 to 2 of the
-// layer's thickness, and the other parameters those of mixture_scenes.h.
-double furnace(Random& random, SeenPaint seen) {
-  Paint& paint = seen.paint;
-  paint.depth_model = DepthModel::correlated;
-  paint.layer_thickness_um = paint.flake_diameter_um / random.log_uniform(0.05, 2);
-  paint.rayleigh_per_mm = 0;
-  const Rgb<double> sum = grey(surface_of(paint, seen.cos_view)) +
-                          single_scattering(paint, seen.cos_view) +
-                          albedo_of<double>(paint, seen.substrate, seen.cos_view);
-  return max_component(map(sum - grey(1.0), [](double x) { return std::fabs(x); }));
-}
-
 void tell_furnace(const char* name, std::vector<double> off) {
   std::sort(off.begin(), off.end());
   const std::size_t n = off.size();
@@ -267,9 +254,12 @@ int main(int argc, char** argv) {
 
   std::vector<double> own, mica, silica;
   for (int i = 0; i < 1'000; ++i) {
-    own.push_back(furnace(random, over_white(random, ordinary_paint(random, true))));
-    mica.push_back(furnace(random, over_white(random, lossless_pearl(random, true))));
-    silica.push_back(furnace(random, over_white(random, lossless_pearl(random, false))));
+    own.push_back(
+        furnace_error(correlated(random, over_white(random, ordinary_paint(random, true)))));
+    mica.push_back(
+        furnace_error(correlated(random, over_white(random, lossless_pearl(random, true)))));
+    silica.push_back(
+        furnace_error(correlated(random, over_white(random, lossless_pearl(random, false)))));
   }
   std::printf(
       "\n| r_s + E + M off 1, correlated | largest | 99 %% | 95 %% | median |\n"

@@ -166,7 +166,7 @@ void see_case(Random& random, Errors& errors, std::vector<Turned>& all_turned) {
   const double critical = surface.critical;
   const Met g = meet(density, flakes.coating, eta, critical, cos_in, cos_in);
   const Mirroring<double> mirrored =
-      mirror_out(layer, density, surface, cos_in, slant_depth_of(layer, cos_in));
+      mirror_out(layer, flakes, surface, cos_in, slant_depth_of(layer, cos_in));
   const std::string kind = kind_of(flakes.coating);
   errors.see("mirror_out, share that leaves", (mirrored.escaping - g.escaping) / g.area);
   const Met c = meet(density, flakes.coating, eta, critical, critical, 1);

@@ -76,7 +76,8 @@ def no_library(text: str) -> str:
     text = cut("  if (coating.kind > COATING_COLORS) {", "    float x = max(1.0 - cos_alpha",
                "  {\n")(text)  # fmt: skip
     text = cut("  if (is_clear(coating.kind)) {\n    int absorbing", "  return passed;")(text)
-    text = cut("  if (is_clear(coating.kind)) {", "  int sides")(text)
+    text = cut("        if (on_silica) {", "      }\n    }\n  }\n  return sum;")(text)
+    text = cut("  if (is_on_silica(coating.kind)) {", "  float cos_exit = clamp(")(text)
     return re.sub(r"(float CoatingLibrary\[\] = \{).*?\}", r"\1 0.0 }", text, flags=re.DOTALL)
 
 
