@@ -173,6 +173,22 @@ def test_paint_node_refuses_a_world(editor: bpy.types.Area) -> None:
         bpy.ops.node.metallic_paint_add()
 
 
+def test_paint_node_refuses_an_overridden_material(
+    editor: bpy.types.Area, tmp_path: Path
+) -> None:
+    file = str(tmp_path / "theirs.blend")
+    surface = bpy.data.materials["Surface"]
+    bpy.data.libraries.write(file, {surface})
+    with bpy.data.libraries.load(file, link=True) as (_, here):
+        here.materials = [surface.name]
+    overridden = here.materials[0].override_create()
+    editor.spaces.active.node_tree = overridden.node_tree
+    before = overridden.node_tree.nodes.keys()
+    with pytest.raises(RuntimeError, match="is a library override, whose nodes"):
+        bpy.ops.node.metallic_paint_add()
+    assert overridden.node_tree.nodes.keys() == before
+
+
 def test_paint_node_refuses_to_stand_in_a_paint(addon: Addon, editor: bpy.types.Area) -> None:
     for group in (addon("paint.material").node_group(), addon("scene.lights").node_group()):
         editor.spaces.active.node_tree = group

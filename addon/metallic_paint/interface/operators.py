@@ -51,6 +51,16 @@ def can_change(operator: type[bpy.types.Operator], datablock: bpy.types.ID, what
     return False
 
 
+def can_change_nodes(operator: type[bpy.types.Operator], owner: bpy.types.ID) -> bool:
+    """For a poll: of a material or a node group."""
+    if not can_change(operator, owner, "material"):
+        return False
+    if not material.keeps_nodes(owner):
+        operator.poll_message_set(material.OVERRIDDEN)
+        return False
+    return True
+
+
 def on_paint(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the active material has a paint; if not, the operator tells."""
     if paint_node(context) is None:
@@ -64,15 +74,9 @@ class ChangesPaint(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not on_paint(cls, context):
-            return False
-        owner = material.owner(paint_node(context), active_material(context))
-        if not can_change(cls, owner, "material"):
-            return False
-        if not material.keeps_nodes(owner):
-            cls.poll_message_set(material.OVERRIDDEN)
-            return False
-        return True
+        return on_paint(cls, context) and can_change_nodes(
+            cls, material.owner(paint_node(context), active_material(context))
+        )
 
 
 def report_of(operator: bpy.types.Operator, text: str, kind: WmReportItems = "INFO") -> None:
@@ -166,7 +170,9 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
         if tree is None or tree.bl_idname != "ShaderNodeTree" or space.shader_type != "OBJECT":
             cls.poll_message_set("Open a material in a shader editor")
             return False
-        if not can_change(cls, tree, "material"):
+        # A material's nodes do not say whose they are.
+        owner = next((each for each in bpy.data.materials if each.node_tree == tree), tree)
+        if not can_change_nodes(cls, owner):
             return False
         if material.version(tree) or tree in lights.groups():
             cls.poll_message_set("A paint cannot stand within a paint")
