@@ -173,9 +173,7 @@ def test_paint_node_refuses_a_world(editor: bpy.types.Area) -> None:
         bpy.ops.node.metallic_paint_add()
 
 
-def test_paint_node_refuses_an_overridden_material(
-    editor: bpy.types.Area, tmp_path: Path
-) -> None:
+def test_paint_node_refuses_an_overridden_material(editor: bpy.types.Area, tmp_path: Path) -> None:
     file = str(tmp_path / "theirs.blend")
     surface = bpy.data.materials["Surface"]
     bpy.data.libraries.write(file, {surface})
