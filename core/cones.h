@@ -14,8 +14,6 @@ namespace metallic_paint {
 
 // Cycles drops closures whose weight averages below 1e-5: cones are widened to stay above.
 inline constexpr double kLeastWeight = 1.1e-5;
-// Half-angle margin to the edge of a light: half of kLeastGap.
-inline constexpr double kConeMargin = 1e-3;
 // Wide enough for a renderer's own angles; narrower where the light's T is so great that the cone
 // would show more of a white world than a mirror does.
 inline constexpr double kNarrowCone = 0.02;

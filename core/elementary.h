@@ -306,4 +306,10 @@ T normal_quantile(T u) {
   return u < 0.5f ? -x : x;
 }
 
+// Of each component.
+template <class T>
+Rgb<T> mean_transmittance(Rgb<T> x) {
+  return map(x, [](T of_one) { return mean_transmittance(of_one); });
+}
+
 }  // namespace metallic_paint

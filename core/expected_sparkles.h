@@ -106,7 +106,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   // A = (1 - e^-tH)/tH.
   expected.slant = way.slant;
   if (!way.given) expected.hidden = hidden_whole(layer, flakes, way.slant, way.ways);
-  expected.transmitted = map(expected.slant, [](T x) { return mean_transmittance(x); });
+  expected.transmitted = mean_transmittance(expected.slant);
 
   // A flake shows min(S, area that fills the pixel); more flakes make up for what is cut off.
   // Smaller than an atom or larger than a town, a pixel looks like one of that size: the squares of
@@ -186,8 +186,7 @@ Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
 template <class T>
 Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
   const T share = expected.area.square / expected.fill / expected.fill;
-  return map(expected.slant,
-             [&](T x) { return share * mean_transmittance(2 * x - expected.hidden); });
+  return mean_transmittance(expected.slant * T(2) - grey(expected.hidden)) * share;
 }
 
 // E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.

@@ -41,7 +41,7 @@ Rgb<T> flake_brdf(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, Vec3<T> l
     sum = sum + coating_reflectance(flakes.coating, static_cast<T>(mirror.cos_alpha)) *
                     static_cast<T>(flakes.coverage * p * surface / (4 * exit * mirror.g_light));
   }
-  return sum * map(slant, [](T x) { return mean_transmittance(x); });
+  return sum * mean_transmittance(slant);
 }
 
 }  // namespace metallic_paint

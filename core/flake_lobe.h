@@ -153,8 +153,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.weight = shown_by(first, reflectance, slant) *
                     (through * cos_view_in * (layer.coverage / flakes.coverage));
   } else {
-    sample.weight = reflectance *
-                    map(slant, [&](T x) { return layer.coverage * mean_transmittance(x); }) *
+    sample.weight = reflectance * (mean_transmittance(slant) * layer.coverage) *
                     (through * tilt.weight * cos_alpha);
     const T p = orientation_density(flakes.orientation, tilt.sin2_half_beta) / tilt.weight;
     sample.density = p * cos_light * flakes.coverage /

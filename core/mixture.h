@@ -312,11 +312,10 @@ Mirroring<T> mirror_out(const Layer<T>& layer, const Flakes<T>& flakes,
         if (on_silica) {
           const Rgb<T> slant_out = slant_depth_of(layer, max(cos_exit, T(kLeastCosine)));
           const Rgb<T> r = coating_reflectance(flakes.coating, cos_alpha) * escaping;
-          const auto passed = [](T slant) { return mean_transmittance(slant); };
           SingleShares<T>& single = sum.on_silica;
-          single.independent = single.independent + r * map(slant_view + slant_out, passed);
-          single.correlated = single.correlated +
-                              r * map(there_and_back(layer, slant_view, slant_out, delta), passed);
+          single.independent = single.independent + r * mean_transmittance(slant_view + slant_out);
+          single.correlated = single.correlated + r * mean_transmittance(there_and_back(
+                                                          layer, slant_view, slant_out, delta));
         }
       }
     }
@@ -382,8 +381,7 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
   const T cos_exit = clamp(mirrored.cos_exit / escaping, T(kLeastCosine), T(1));
   const Rgb<T> both = slant_view + slant_depth_of(layer, cos_exit);
   const Rgb<T> r = coating_reflectance(coating, min(mirrored.cos_alpha / escaping, T(1)));
-  const auto passed = [](T x) { return mean_transmittance(x); };
-  SingleShares<T> mean{r * map(both, passed), {}};
+  SingleShares<T> mean{r * mean_transmittance(both), {}};
   if (layer.depth_model == DepthModel::correlated) {
     const T in_common = mirrored.in_common / escaping;
     const T variance = mirrored.in_common2 / escaping - in_common * in_common;
@@ -393,7 +391,7 @@ SingleShares<T> mean_single(const Layer<T>& layer, const Coating<T>& coating,
     const Rgb<T> of_most =
         map(both, [&](T x) { return share_in_common(layer, delta, x) / max(most, T(1e-20)); });
     const auto dimmed = [&](T shared) {
-      return map(less_in_common(layer, both, of_most * shared), passed);
+      return mean_transmittance(less_in_common(layer, both, of_most * shared));
     };
     mean.correlated = r * ((dimmed(in_common + apart) + dimmed(in_common - apart)) * T(0.5));
   }

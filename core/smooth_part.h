@@ -167,8 +167,7 @@ Rgb<T> flakes_show(const Layer<T>& layer, const Flakes<T>& flakes, const FlakesS
   if (layer.depth_model == DepthModel::correlated) {
     slant = less_in_common(layer, slant, middle.in_common);
   }
-  return coating_reflectance(flakes.coating, flake.cos_alpha) *
-         map(slant, [](T x) { return mean_transmittance(x); }) *
+  return coating_reflectance(flakes.coating, flake.cos_alpha) * mean_transmittance(slant) *
          (seen.factor * orientation_density(flakes.orientation, flake.sin2_half_beta) *
           fresnel_transmittance(cos_light, g, layer.eta) * cos_light / g);
 }

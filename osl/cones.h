@@ -12,6 +12,7 @@
 #include "random.h"
 
 #define LEAST_WEIGHT 1.1e-5
+// Half-angle margin to the edge of a light: half of LEAST_GAP.
 #define CONE_MARGIN 1e-3
 #define NARROW_CONE 0.02
 #define WIDEST_CONE 0.5
