@@ -202,28 +202,20 @@ Rgb<T> reflectance(const Layer<T>& layer, const Stack<T>& stack, const SurfacePo
   return grey(shine) + (lobe + scattered_by(stack, point, light)) * stack.coat.rest;
 }
 
-// E: the integral of flake_brdf cos(theta') over the lights, by flakes that stand for all. Error
-// 3e-4 at most (60 paints of one to three species).
+// E: the integral of flake_brdf cos(theta') over the lights, by flakes that stand for all. Their
+// two deviates are Fibonacci's lattice: near the normal all flakes beyond some tilt mirror under
+// the critical angle, and a grid's rows lie on either side of it as a whole. Error 2e-4 at most
+// (300 paints of one to three species, tilts to 1, IOR to 2.5, against 317811 points: 1.1e-4).
 template <class T>
 Rgb<T> flake_albedo(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view) {
-  constexpr int tilts = 64, azimuths = 64;
+  constexpr int points = 10946, generator = 6765;
   Rgb<T> sum{};
-  T from = 0;
-  for (int i = 0; i < layer.species; ++i) {
-    const T coverage = layer.flakes[static_cast<std::size_t>(i)].coverage;
-    if (!(coverage > 0)) continue;
-    Rgb<T> mean{};
-    for (int j = 0; j < tilts; ++j) {
-      const T u = (from + coverage * ((static_cast<T>(j) + T(0.5)) / tilts)) / layer.coverage;
-      for (int k = 0; k < azimuths; ++k) {
-        const T w = (static_cast<T>(k) + T(0.5)) / azimuths;
-        mean = mean + sample_flake(layer, normal, view, u, w).weight;
-      }
-    }
-    sum = sum + mean * (coverage / layer.coverage / T(tilts * azimuths));
-    from = from + coverage;
+  for (int i = 0; i < points; ++i) {
+    const T tilt = (static_cast<T>(i) + T(0.5)) / points;
+    const T azimuth = (static_cast<T>(i * generator % points) + T(0.5)) / points;
+    sum = sum + sample_flake(layer, normal, view, tilt, azimuth).weight;
   }
-  return sum;
+  return sum / T(points);
 }
 
 // The radiance of the paint under a world of radiance 1: r_s + E + M in a smooth coat.

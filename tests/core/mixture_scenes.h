@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "diffuse_lobe.h"
-#include "flake_lobe.h"
 #include "mixture.h"
 #include "reference/optics.h"
 #include "reference/random_walk.h"
 #include "scenes.h"
+#include "whole_paint.h"
 
 namespace core_tests {
 
@@ -30,19 +30,10 @@ inline double surface_of(const Paint& paint, double cos_view) {
   return 1 - fresnel_transmittance(cos_view, eta_cos_refracted(cos_view, eta), eta);
 }
 
-// E(v): the lobe that the shader renders, over its two deviates by Fibonacci's lattice; the second
-// is the azimuth, of which half serves for all. Within 7e-5 (120 paints, against 317811 points).
+// E(v): the lobe that the shader renders.
 inline Rgb<double> single_scattering(const Paint& paint, double cos_view) {
-  const Layer<double> layer = make_layer<double>(paint);
   const Vec3<double> view{std::sqrt(1 - cos_view * cos_view), 0, cos_view};
-  constexpr int kPoints = 10946, kGenerator = 6765;
-  Rgb<double> sum{};
-  for (int i = 0; i < kPoints; ++i) {
-    const double tilt = (i + 0.5) / kPoints;
-    const double azimuth = (i * kGenerator % kPoints + 0.5) / kPoints / 2;
-    sum = sum + sample_flake<double>(layer, {0, 0, 1}, view, tilt, azimuth).weight;
-  }
-  return sum / double{kPoints};
+  return flake_albedo(make_layer<double>(paint), {0, 0, 1}, view);
 }
 
 // One species of metal or pearl in its own colours, over any substrate.

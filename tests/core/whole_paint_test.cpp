@@ -322,6 +322,29 @@ TEST(WholePaint, AlbedoIsTheIntegralOfTheReflectance) {
   worst.expect_at_most(3e-3);
 }
 
+// Along the normal, where the flakes' total reflection is a step over their tilts.
+TEST(WholePaint, AlbedoOfTheFlakesIsTheIntegralOfTheirBrdf) {
+  Random random = same_scenes(38);
+  Worst worst;
+  for (int k = 0; k < 60; ++k) {
+    Paint paint = random_paint(random);
+    paint.tilt = random.log_uniform(0.1, 0.6);
+    paint.binder_ior = random.uniform(1.3, 2.4);
+    const auto layer = make_layer<double>(paint);
+    const int n = 4000;
+    Rgb<double> integral{};
+    for (int i = 0; i < n; ++i) {
+      // cos d omega = 2 pi sin d sin, closer together towards the horizon and the normal.
+      const double u = (i + 0.5) / n, sine = std::sin(kPi / 2 * u), cosine = std::cos(kPi / 2 * u);
+      integral = integral +
+                 flake_brdf(layer, kUp, kUp, {sine, 0, cosine}) * (kPi * kPi * sine * cosine / n);
+    }
+    worst.see(std::abs(integral.y - flake_albedo(layer, kUp, kUp).y), "albedo", integral.y, "tilt",
+              paint.tilt, "eta", layer.eta);
+  }
+  worst.expect_at_most(2e-4);
+}
+
 TEST(OrangePeel, SlopeIsItsRootMeanSquareAndMirroredLightStaysAbove) {
   Random random = same_scenes(35);
   double square = 0;
