@@ -63,9 +63,9 @@ T solid_angle_of_facets(T cos_theta, T g, T eta) {
   return (g - cos_theta) * (g - cos_theta) / (eta * g);
 }
 
-// A direction closer to the surface, in rad, sees nothing of it: optical depths stay inside a
-// float.
-inline constexpr double kLeastCosine = 1e-20;
+// A direction closer to the surface, in rad, sees nothing of it: optical depths and the squares of
+// the ways through a layer stay inside a float.
+inline constexpr double kLeastCosine = 1e-18;
 
 // The view's cosine. A smooth normal can turn away from the observer near a silhouette: 1e-4 there.
 template <class T>

@@ -35,7 +35,7 @@ float solid_angle_of_facets(float cos_theta, float g, float eta)
   return (g - cos_theta) * (g - cos_theta) / (eta * g);
 }
 
-#define LEAST_COSINE 1e-20
+#define LEAST_COSINE 1e-18
 
 float seen_cosine(vector n, vector view)
 {

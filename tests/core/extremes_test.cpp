@@ -31,8 +31,9 @@ bool sound(Rgb<T> c) {
 }
 
 constexpr double kEtas[] = {0.5, 0.999999, 1 - 1e-12, 1, 1 + 1e-12, 1.5, 4};
-// Angles to the normal: along it, ordinary, 1e-9 rad and 1e-9 degrees off the surface.
-constexpr double kCosines[] = {1, 0.5, 1e-4, 1e-9, 1.7453292519943295e-11};
+// Angles to the normal: along it, ordinary, 1e-9 rad and 1e-9 degrees off the surface, and as close
+// to it as is seen.
+constexpr double kCosines[] = {1, 0.5, 1e-4, 1e-9, 1.7453292519943295e-11, 1.8 * kLeastCosine};
 
 Vec3<double> direction(double cosine, double phi) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
@@ -143,12 +144,12 @@ TEST(Extremes, IndicesLightsAndDirections) {
 
 TEST(Extremes, OpticalDepths) {
   for (double depth : {0.0, 1e-16, 1e-8, 1.0, 80.0, 1e6}) {
-    for (int model = 0; model < 2; ++model) {
+    for (int model = 0; model < 3; ++model) {
       for (double flakes : {1e-3, 3000.0, 1e9}) {
         TestScene scene;
         scene.paint.depth_model = static_cast<DepthModel>(model);
         scene.paint.flakes_per_mm2 = flakes;
-        scene.paint.layer_thickness_um = 1000;
+        scene.paint.layer_thickness_um = depth > 0 ? 1000 : 0;
         scene.paint.binder_absorption_per_mm = {0, depth / 2, depth};
         scene.light_sine = 0.01;
         scene.footprint = 1e-6;
@@ -163,7 +164,7 @@ TEST(Extremes, Footprints) {
     for (double spread : {0.0, 0.3, 100.0}) {
       for (double diameter : {1e-3, 20.0, 1e5}) {
         for (double flakes : {1e-3, 1e9}) {
-          for (int model = 0; model < 2; ++model) {
+          for (int model = 0; model < 3; ++model) {
             TestScene scene;
             scene.paint.depth_model = static_cast<DepthModel>(model);
             scene.paint.flake_area_spread = spread;

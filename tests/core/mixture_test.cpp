@@ -411,7 +411,7 @@ TEST(Mixture, IsSoundForEveryValidPaint) {
     paint.binder_absorption_per_mm = {end_or(0, 1e6, 1), end_or(0, 1e6, 1), 0};
     paint.rayleigh_per_mm = end_or(0, 1e6, 0.1);
     const Rgb<double> substrate{end_or(0, 1, 0.5), end_or(0, 1, 0.5), 1};
-    const double cosines[] = {1, random.uniform(), 1e-4, 1e-9, 1e-20};
+    const double cosines[] = {1, random.uniform(), 1e-4, 1e-9, kLeastCosine};
     validate(paint);
     for (double cos_view : cosines) {
       expect_sound<double>(paint, substrate, cos_view);
