@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from common import files
-from common.processes import TOOLS
+from common.processes import TOOLS, StepFailedError
 from common.report_folder import MEASURE, check_file
 
 # As ./paint accuracy and ./paint measure: a program that starts another, which writes.
@@ -58,6 +59,24 @@ def test_what_is_written_takes_the_place_of_what_was(tmp_path: Path) -> None:
     assert list(file.parent.iterdir()) == [file]
 
 
+def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
+    file, link = tmp_path / "file.json", tmp_path / "elsewhere" / "link.json"
+    link.parent.mkdir()
+    link.symlink_to(file)
+    for text in ("one", "two"):  # the first where the link dangles
+        files.write(link, text)
+        assert file.read_text() == text
+    assert link.is_symlink()
+
+
+def test_a_file_takes_no_place_of_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / "README.md").write_text("mine")
+    with pytest.raises(IsADirectoryError):
+        files.write(tmp_path / "report", "text")
+    assert [path.name for path in tmp_path.rglob("*")] == ["report", "README.md"]
+
+
 def test_a_failure_leaves_everything_as_it_was(tmp_path: Path) -> None:
     file = tmp_path / "file.txt"
     file.write_text("old")
@@ -86,6 +105,29 @@ def test_an_obstacle_is_found_before_and_nothing_is_made(tmp_path: Path) -> None
     check_file(tmp_path / "new" / "bars.json", tmp_path / "report")
     MEASURE.check(tmp_path / "new" / "report")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["dangling", "file"]
+
+
+def test_a_pipe_or_device_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with pytest.raises(StepFailedError, match="neither a file nor a folder"):
+            check_file(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("file", "out", "complaint"),
+    [
+        ("report/bars.json", "report", "the report's folder holds the report alone"),
+        ("report", "report", "the report's folder holds the report alone"),
+        ("new", "new/report", "new: a folder"),
+    ],
+)
+def test_file_and_report_do_not_hold_each_other(
+    tmp_path: Path, file: str, out: str, complaint: str
+) -> None:
+    with pytest.raises(StepFailedError, match=complaint):
+        check_file(tmp_path / file, tmp_path / out)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

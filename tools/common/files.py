@@ -15,7 +15,14 @@ _unfinished: dict[Path, list[Path]] = {}  # with the folders made for each, inne
 
 def obstacle(path: Path) -> str:
     """Why nothing can be written there, found out before minutes of work; it makes nothing."""
-    there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
+    try:
+        if path.is_symlink():
+            path = Path(os.path.realpath(path))
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            return "neither a file nor a folder"
+        there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
+    except OSError as error:  # a folder closed to us
+        return os.strerror(error.errno)
     if not there.is_dir():
         return os.strerror(errno.ENOTDIR)
     return "" if os.access(there, os.W_OK | os.X_OK) else os.strerror(errno.EACCES)
@@ -23,14 +30,18 @@ def obstacle(path: Path) -> str:
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A path beside it for a new file or folder, which takes its place if the block ends well."""
-    path = path.absolute()
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    """A path beside it for a new file or folder, which takes its place if the block ends well.
+
+    A symbolic link stays one: what it names is written.
+    """
+    suffix = path.suffix
+    path = Path(os.path.realpath(path))
+    beside = path.with_name(f".{path.stem}.{os.getpid()}{suffix}")
     _unfinished[beside] = [folder for folder in path.parents if not folder.exists()]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield beside
-        if path.is_dir():  # only an empty one would give way
+        if path.is_dir() and beside.is_dir():  # only an empty one would give way
             earlier = beside.with_suffix(".earlier")
             path.rename(earlier)
             beside.rename(path)

@@ -70,12 +70,12 @@ GALLERY = ReportFolder(
 
 def check_file(file: Path, out: Path | None = None) -> None:
     """Finds out before the work whether --json can be written."""
-    if out and out.resolve() in file.resolve().parents:
-        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
-    if file.is_dir():
-        raise StepFailedError(f"--json {file}: a folder.")
     if why := files.obstacle(file):
-        raise StepFailedError(f"--json {file}: no folder to write to ({why}).")
+        raise StepFailedError(f"--json {file}: cannot be written ({why}).")
+    if out and file.resolve().is_relative_to(out.resolve()):
+        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
+    if file.is_dir() or (out and out.resolve().is_relative_to(file.resolve())):
+        raise StepFailedError(f"--json {file}: a folder.")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
