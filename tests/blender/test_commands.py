@@ -118,6 +118,12 @@ def test_a_mesh_of_each_format_stands_in_the_studio(tmp_path: Path, suffix: str)
     assert "Sample" not in said  # Cycles' own lines
 
 
+def test_a_name_may_be_as_long_as_the_system_lets_it(tmp_path: Path, triangle: Path) -> None:
+    out = tmp_path / ("x" * 251 + ".png")
+    rendered(triangle, "--out", out, *QUICK)
+    assert_shows_something(out, (64, 36))
+
+
 def test_a_png_has_the_size_asked_for(tmp_path: Path) -> None:
     add_ball()
     mesh, out = tmp_path / "ball.obj", tmp_path / "ball.png"
@@ -277,6 +283,7 @@ def test_the_picture_must_be_writable(out: Path, triangle: Path) -> None:
         (out.with_suffix(".jpg"), "picture.jpg: a picture's name ends in .exr or .png."),
         (out / "deep" / "picture.png", "cannot be written: Not a directory."),
         (out.parent.with_suffix(".png"), "cannot be written: it is a folder."),
+        (out.with_stem("x" * 252), "cannot be written: File name too long."),
     ):
         if "folder" in sentence:
             file.mkdir()

@@ -69,6 +69,17 @@ def test_a_symbolic_link_stays_one(tmp_path: Path) -> None:
     assert link.is_symlink()
 
 
+def test_a_name_may_be_as_long_as_the_system_lets_it(tmp_path: Path) -> None:
+    longest = [tmp_path / ("x" * 251 + suffix) for suffix in (".exr", ".png")]
+    with files.whole(longest[0]) as exr, files.whole(longest[1]) as png:
+        exr.write_text("exr")
+        png.write_text("png")
+    assert (exr.suffix, png.suffix) == (".exr", ".png")
+    assert [path.read_text() for path in longest] == ["exr", "png"]
+    files.write(tmp_path / ("a." + "x" * 253), "text")
+    assert "too long" in files.obstacle(tmp_path / "new" / ("x" * 252 + ".png"))
+
+
 def test_a_file_takes_no_place_of_a_folder(tmp_path: Path) -> None:
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "README.md").write_text("mine")

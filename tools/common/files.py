@@ -8,8 +8,10 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
+_numbers = count()
 _unfinished: dict[Path, list[Path]] = {}  # with the folders made for each, innermost first
 
 
@@ -25,6 +27,8 @@ def obstacle(path: Path) -> str:
         return os.strerror(error.errno)
     if not there.is_dir():
         return os.strerror(errno.ENOTDIR)
+    if len(os.fsencode(path.name)) > os.pathconf(there, "PC_NAME_MAX"):
+        return os.strerror(errno.ENAMETOOLONG)
     return "" if os.access(there, os.W_OK | os.X_OK) else os.strerror(errno.EACCES)
 
 
@@ -34,9 +38,11 @@ def whole(path: Path) -> Iterator[Path]:
 
     A symbolic link stays one: what it names is written.
     """
-    suffix = path.suffix
+    suffix = path.suffix[
+        :8
+    ]  # by which a picture's form is chosen; long names have no room for more
     path = Path(os.path.realpath(path))
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{suffix}")
+    beside = path.with_name(f".{os.getpid()}-{next(_numbers)}{suffix}")
     _unfinished[beside] = [folder for folder in path.parents if not folder.exists()]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -66,10 +72,11 @@ def remove_unfinished() -> None:
 
 
 def _remove(beside: Path) -> None:
-    if beside.is_dir():
-        shutil.rmtree(beside, ignore_errors=True)
-    else:
-        beside.unlink(missing_ok=True)
+    with suppress(OSError):
+        if beside.is_dir():
+            shutil.rmtree(beside, ignore_errors=True)
+        else:
+            beside.unlink()
     with suppress(OSError):  # a folder that holds something else by now stays
         for folder in _unfinished.pop(beside):
             folder.rmdir()

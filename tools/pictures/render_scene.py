@@ -86,8 +86,10 @@ def _watch_signals() -> None:
 
 
 def _end(code: int) -> NoReturn:
-    files.remove_unfinished()
-    blender_env.finish(code)
+    try:
+        files.remove_unfinished()
+    finally:
+        blender_env.finish(code)
 
 
 def say(line: str) -> None:
@@ -164,10 +166,10 @@ def check_outputs(pictures: Sequence[Path]) -> None:
     for file in pictures:
         if file.suffix.lower() not in SUFFIXES:
             raise RenderError(f"{file}: a picture's name ends in {' or '.join(SUFFIXES)}.")
-        if file.is_dir():
-            raise RenderError(f"{file} cannot be written: it is a folder.")
         if why := files.obstacle(file):
             raise RenderError(f"{file} cannot be written: {why}.")
+        if file.is_dir():
+            raise RenderError(f"{file} cannot be written: it is a folder.")
 
 
 # --- the picture -----------------------------------------------------------------------------
