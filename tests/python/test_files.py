@@ -121,9 +121,21 @@ def test_an_obstacle_is_found_before_and_nothing_is_made(tmp_path: Path) -> None
 def test_a_pipe_or_device_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "link").symlink_to("pipe")
-    for name in ("pipe", "link"):
+    (tmp_path / "loop").symlink_to("loop")
+    for name in ("pipe", "link", "loop"):
         with pytest.raises(StepFailedError, match="neither a file nor a folder"):
             check_file(tmp_path / name)
+
+
+def test_the_current_folder_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "report").mkdir()
+    monkeypatch.chdir(tmp_path / "report")
+    for out in (Path(), Path.cwd(), Path("..", "report")):
+        with pytest.raises(StepFailedError, match="the current folder lies there"):
+            MEASURE.check(out)
+    MEASURE.check(Path("new"))
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,10 @@ def obstacle(path: Path) -> str:
     try:
         if path.is_symlink():
             path = Path(os.path.realpath(path))
-        if path.exists() and not (path.is_file() or path.is_dir()):
+        if os.path.lexists(path) and not (path.is_file() or path.is_dir()):
             return "neither a file nor a folder"
+        if Path.cwd().is_relative_to(os.path.realpath(path)):
+            return "the current folder lies there"
         there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
     except OSError as error:  # a folder closed to us
         return os.strerror(error.errno)
