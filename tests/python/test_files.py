@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from common import files
 from common.processes import TOOLS, StepFailedError
-from common.report_folder import MEASURE, check_file
+from common.report_folder import MEASURE, REPORT, check_file
 
 # As ./paint accuracy and ./paint measure: a program that starts another, which writes.
 INNER = """
@@ -125,6 +125,22 @@ def test_a_pipe_or_device_is_refused(tmp_path: Path) -> None:
     for name in ("pipe", "link", "loop"):
         with pytest.raises(StepFailedError, match="neither a file nor a folder"):
             check_file(tmp_path / name)
+
+
+def test_what_is_closed_to_us_is_refused(closed: Path) -> None:
+    for path in (closed / "new", closed / "new" / "file.json"):
+        assert files.obstacle(path) == "Permission denied"
+        for check in (check_file, MEASURE.check):
+            with pytest.raises(StepFailedError, match="Permission denied"):
+                check(path)
+    with pytest.raises(StepFailedError, match="Permission denied"):
+        MEASURE.check(closed)
+
+
+def test_a_folder_is_no_report(tmp_path: Path) -> None:
+    (tmp_path / REPORT).mkdir()
+    with pytest.raises(StepFailedError, match="is not a report of"):
+        MEASURE.check(tmp_path)
 
 
 def test_the_current_folder_is_not_replaced(

@@ -31,7 +31,10 @@ def obstacle(path: Path) -> str:
         return os.strerror(errno.ENOTDIR)
     if len(os.fsencode(path.name)) > os.pathconf(there, "PC_NAME_MAX"):
         return os.strerror(errno.ENAMETOOLONG)
-    return "" if os.access(there, os.W_OK | os.X_OK) else os.strerror(errno.EACCES)
+    needed = [(there, os.W_OK | os.X_OK)]
+    if path.is_dir():
+        needed.append((path, os.R_OK | os.W_OK | os.X_OK))
+    return "" if all(os.access(*each) for each in needed) else os.strerror(errno.EACCES)
 
 
 @contextmanager
