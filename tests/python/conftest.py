@@ -16,16 +16,16 @@ NOBODY = 65534
 
 @pytest.fixture
 def closed() -> Iterator[Path]:
-    """A folder with a file, both closed to us; root, to whom nothing is, becomes another user."""
+    """A folder of ours that is closed to us; root, to whom nothing is, becomes another user."""
     user = os.geteuid()
-    with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "file").touch(0)
-        for path in (Path(folder, "file"), Path(folder)):
-            path.chmod(0)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
         if user == 0:
+            os.chown(folder, NOBODY, -1)
             os.setresuid(NOBODY, NOBODY, user)
+        folder.chmod(0)
         try:
-            yield Path(folder)
+            yield folder
         finally:
+            folder.chmod(0o700)
             os.setresuid(user, user, user)
-            Path(folder).chmod(0o700)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -165,3 +166,17 @@ def test_bad_merl_files_are_refused_by_name(tmp_path: Path) -> None:
 def test_an_unknown_name_is_told_those_that_are() -> None:
     with pytest.raises(BrdfError, match=r"'mauve' is neither a file nor .*green-metallic-paint"):
         brdf.load("mauve")
+
+
+def test_what_is_closed_to_us_or_has_no_name_is_refused(closed: Path) -> None:
+    with pytest.raises(BrdfError, match="mine cannot be read: Permission denied"):
+        brdf.load(str(closed / "mine"))
+    closed.chmod(0o700)
+    for name in ("mine.csv", "mine.binary"):
+        (closed / name).touch()
+        os.truncate(closed / name, 12 + 3 * math.prod(MERL_SIDES) * 8 if "b" in name else 0)
+        (closed / name).chmod(0)
+        with pytest.raises(BrdfError, match=f"{name} cannot be read: Permission denied"):
+            brdf.load(str(closed / name))
+    with pytest.raises(BrdfError, match="cannot be read: File name too long"):
+        brdf.load("x" * 300)

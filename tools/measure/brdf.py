@@ -71,14 +71,17 @@ def load(name: str) -> Brdf:
     if name in FITS:
         return published(name)
     path = Path(name)
-    if not path.is_file():
-        raise BrdfError(
-            f"{name!r} is neither a file nor a measured paint; these are {', '.join(NAMES)}."
-        )
-    if path.suffix == ".csv":
-        return _of_csv(path)
-    if path.suffix == ".binary":
-        return _of_merl(path)
+    try:
+        if not path.is_file():
+            raise BrdfError(
+                f"{name!r} is neither a file nor a measured paint; these are {', '.join(NAMES)}."
+            )
+        if path.suffix == ".csv":
+            return _of_csv(path)
+        if path.suffix == ".binary":
+            return _of_merl(path)
+    except OSError as error:  # a name too long, a file closed to us
+        raise BrdfError(f"{path} cannot be read: {error.strerror}.") from error
     raise BrdfError(f"{path}: a measured BRDF is a .csv or one of MERL's .binary files.")
 
 
@@ -262,7 +265,7 @@ def _rows_of(path: Path) -> Iterator[list[float]]:
         raise BrdfError(f"{path} is larger than {MOST_BYTES} bytes.")
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise BrdfError(f"{path} cannot be read: {error}.") from error
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1)
              if line.strip() and not line.startswith("#")]  # fmt: skip
