@@ -269,21 +269,35 @@ def _rows_of(path: Path) -> Iterator[list[float]]:
         raise BrdfError(f"{path} cannot be read: {error}.") from error
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1)
              if line.strip() and not line.startswith("#")]  # fmt: skip
-    head = [word.strip() for word in next(csv.reader([lines[0][1]]))] if lines else []
+    head = [word.strip() for word in _fields_of(path, *lines[0])] if lines else []
     for column in COLUMNS:
         if column not in head:
             raise BrdfError(
                 f"{path} has no column {column}: its first line must name "
                 f"{', '.join(COLUMNS)} (degrees, and 1/sr)."
             )
+        if head.count(column) > 1:
+            raise BrdfError(f"{path} has two columns {column}.")
     for number, line in lines[1:]:
-        fields = next(csv.reader([line]))
+        fields = _fields_of(path, number, line)
+        if len(fields) > len(head):
+            raise BrdfError(
+                f"{path}, line {number} has {len(fields)} fields for {len(head)} columns: commas "
+                "part them, and numbers need decimal points."
+            )
         row = []
         for column in COLUMNS:
             at = head.index(column)
             word = fields[at].strip() if at < len(fields) else ""
             row.append(_number(f"{path}, line {number}: {column}", column, word))
         yield row
+
+
+def _fields_of(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return next(csv.reader([line]))
+    except csv.Error as error:
+        raise BrdfError(f"{path}, line {number} is no CSV: {error}.") from error
 
 
 def _number(where: str, column: str, word: str) -> float:
