@@ -138,7 +138,12 @@ ROW = "10,20,180,0.1,0.1,0.1"
         ("a.csv", "x" * 131073, "line 1 is no CSV: field larger"),
         ("a.csv", f"{HEAD}\n{ROW}\n", "has 1 rows, but a fit needs at least 30"),
         ("a.csv", f"{HEAD}\n" + "10,20,180,0,0,0\n" * 40, "is black in every row"),
-        ("a.csv", f"{HEAD}\n" + "10,85,180,1,1,1\n" * 40, "0 rows with both angles up to 80°"),
+        ("a.csv", f"{HEAD}\n" + "10,85,180,1,1,1\n" * 40, "0 rows of different angles up to 80°"),
+        (
+            "a.csv",
+            f"{HEAD}\n" + f"{ROW}\n10,20,-180,1,1,1\n" * 40,
+            "1 rows of different angles up to",
+        ),
         ("a.binary", "short", "has 5 bytes, but a MERL file has 34992012"),
         ("a.txt", "", "a measured BRDF is a .csv or one of MERL's .binary files"),
     ],
@@ -158,6 +163,7 @@ def test_bad_merl_files_are_refused_by_name(tmp_path: Path) -> None:
     path = tmp_path / "mine.binary"
     for planes, complaint in (
         (np.full((3, *MERL_SIDES), np.nan), "no numbers"),
+        (np.full((3, *MERL_SIDES), 1.5e9), "values of 1000000 1/sr"),
         (np.full((3, *MERL_SIDES), -1.0), "no value above 0"),
     ):
         with pytest.raises(BrdfError, match=complaint):

@@ -32,6 +32,7 @@ MERL_SCALES = np.array([1.0, 1.15, 1.66]) / 1500
 
 COLUMNS = ("theta_light", "theta_view", "phi", "red", "green", "blue")
 FEWEST_ROWS = 30  # twice the numbers that a fit finds
+MOST_VALUE = 1e6  # 1/sr, and below it
 MOST_BYTES = 4 * 2**20
 MOST_FITTED = 800  # rows that a fit looks at, evenly through the file
 PLACES_AT_ONCE = 256
@@ -180,6 +181,8 @@ def _of_merl(path: Path) -> Brdf:
         raise BrdfError(f"{path} holds values that are no numbers.")
     if not (planes > 0).any():
         raise BrdfError(f"{path} holds no value above 0.")
+    if (planes.max(axis=(1, 2, 3)) * MERL_SCALES >= MOST_VALUE).any():
+        raise BrdfError(f"{path} holds values of {MOST_VALUE:.0f} 1/sr and more.")
 
     def value(light: np.ndarray, view: np.ndarray) -> np.ndarray:
         found = planes[(slice(None), *_merl_cell(light, view))]
@@ -221,7 +224,8 @@ def _of_csv(path: Path) -> Brdf:
         raise BrdfError(f"{path} is black in every row.")
     theta_light, theta_view, phi = np.radians(rows[:, :3]).T
     light, view = direction(theta_light), direction(theta_view, phi)
-    places = np.concatenate([_place(light, view), _place(view, light)])  # reciprocity
+    here = _place(light, view)
+    places = np.concatenate([here, _place(view, light)])  # reciprocity
     values = np.concatenate([rows[:, 3:], rows[:, 3:]])
 
     def value(light: np.ndarray, view: np.ndarray) -> np.ndarray:
@@ -230,10 +234,11 @@ def _of_csv(path: Path) -> Brdf:
         return np.concatenate([_near(places, values, wanted[i : i + PLACES_AT_ONCE]) for i in some])
 
     lit = (theta_light <= GRAZING) & (theta_view <= GRAZING)
-    if lit.sum() < FEWEST_ROWS:
+    different = len(np.unique(here[lit].round(6), axis=0))
+    if different < FEWEST_ROWS:
         raise BrdfError(
-            f"{path} has {lit.sum()} rows with both angles up to {math.degrees(GRAZING):.0f}°, but "
-            f"a fit needs at least {FEWEST_ROWS}."
+            f"{path} has {different} rows of different angles up to {math.degrees(GRAZING):.0f}°, "
+            f"but a fit needs at least {FEWEST_ROWS}."
         )
     lit &= np.cumsum(lit) % math.ceil(lit.sum() / MOST_FITTED) == 0
     return Brdf(path.stem, f"the file {path.name}", value, light[lit], view[lit], is_scattered=True)
@@ -310,7 +315,7 @@ def _number(where: str, column: str, word: str) -> float:
     elif column == "phi":
         low, high, range_ = -360.0, math.nextafter(360, 361), "from -360 to 360 degrees"
     else:
-        low, high, range_ = 0.0, 1e6, "from 0 to below 1e6 1/sr"
+        low, high, range_ = 0.0, MOST_VALUE, f"from 0 to below {MOST_VALUE:.0f} 1/sr"
     if not low <= value < high:
         raise BrdfError(f"{where} is {word}, but must be {range_}.")
     return value
