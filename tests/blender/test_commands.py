@@ -159,9 +159,9 @@ def test_a_blend_keeps_its_camera_lights_size_and_samples(tmp_path: Path) -> Non
 def test_a_blend_without_camera_and_lights_gets_the_studio(tmp_path: Path) -> None:
     add_ball("Left"), add_ball("Right")
     file, out = save_blend(tmp_path / "two.blend"), tmp_path / "two.exr"
-    said = rendered(file, "--out", out, "--object", "Right", *QUICK)
+    said = rendered(file, "--out", out, *QUICK, "--object", "Right", "Right")
     assert_shows_something(out, (64, 36))
-    assert "Painting 1 object" in said
+    assert "Painting 1 object," in said
     assert "light 1: " in said
 
 
@@ -302,9 +302,15 @@ def test_the_paints_that_the_help_names_exist() -> None:
 def test_wrong_usage_has_a_code_of_its_own(out: Path, triangle: Path) -> None:
     whole = [triangle, "--paint", "copper", "--out", out]
     assert_fails(out, whole[:1], "required: --paint, --out", code=2)
-    assert_fails(out, [*whole, "--samples", 0], "invalid whole number of 1 or more", code=2)
     assert_fails(out, [*whole, "--scale", "inf"], "invalid number above 0", code=2)
-    assert_fails(out, ["--width", "wide"], "invalid whole number of 1 or more", 2, "demo")
+    for option, value, most in (
+        ("--samples", 0, 16777216),
+        ("--width", 65537, 65536),
+        ("--height", "tall", 65536),
+    ):
+        sentence = f"argument {option}: invalid whole number from 1 to {most} value: '{value}'"
+        assert_fails(out, [*whole, option, value], sentence, code=2)
+    assert_fails(out, ["--samples", 10**11], "from 1 to 16777216 value: '100000000000'", 2, "demo")
 
 
 def test_named_objects_must_exist_and_hold_paint(tmp_path: Path, out: Path, triangle: Path) -> None:
@@ -323,6 +329,12 @@ def test_scale_is_for_meshes(tmp_path: Path, out: Path) -> None:
     file.write_text("")
     arguments = [file, "--paint", "silver-coarse", "--out", out, "--scale", 2]
     assert_fails(out, arguments, "--scale is for a mesh; ")
+
+
+def test_a_scale_may_be_too_large(out: Path, triangle: Path) -> None:
+    triangle.write_text("v 0 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n")
+    arguments = [triangle, "--paint", "copper", "--out", out, "--scale", 1e38]
+    assert_fails(out, arguments, "triangle.obj: what is to be painted has no finite extent.")
 
 
 def test_coordinates_must_be_numbers(tmp_path: Path, out: Path) -> None:
