@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from common import files
+from common import environments, files
 from common.processes import TOOLS, StepFailedError
 from common.report_folder import MEASURE, REPORT, check_file
 
@@ -20,7 +20,7 @@ INNER = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
 from pathlib import Path
-from common import files
+from common import environments, files
 from common.processes import run_program
 
 def main():
@@ -135,6 +135,19 @@ def test_what_is_closed_to_us_is_refused(closed: Path) -> None:
                 check(path)
     with pytest.raises(StepFailedError, match="Permission denied"):
         MEASURE.check(closed)
+
+
+def test_whoever_may_not_write_in_build_only_runs_what_is_there(
+    closed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(environments, "BUILD", closed)
+    with environments.alone():
+        pass
+    with (
+        pytest.raises(StepFailedError, match="log: Permission denied"),
+        environments.alone(),
+    ):
+        (closed / "log").write_text("")
 
 
 def test_a_folder_is_no_report(tmp_path: Path) -> None:
