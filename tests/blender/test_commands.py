@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -356,6 +358,37 @@ def test_a_paint_that_is_all_black_fails(tmp_path: Path, out: Path) -> None:
     file = save_blend(tmp_path / "night.blend")
     arguments = [file, "--paint", "copper", "--out", out, *QUICK]
     assert_fails(out, arguments, "All the paint in the picture is black")
+
+
+# As every command that needs Blender begins.
+BEGIN = """
+import signal
+import sys
+sys.path.insert(0, sys.argv[1])
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever our starter ignores
+from common import blender_env
+
+blender_env.prepare()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_while_blender_is_imported_leaves_nothing(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGIN, TOOLS],
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not list(tmp_path.iterdir()) and process.poll() is None:
+        time.sleep(0.01)
+    time.sleep(0.1)
+    process.send_signal(number)
+    _, said = process.communicate(timeout=SECONDS)
+    assert (process.returncode, said) == (128 + number, "\nInterrupted.\n")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
