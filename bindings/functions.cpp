@@ -262,7 +262,7 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
         return found;
       },
       py::arg("paint"), py::arg("substrate"), py::arg("cos_view"),
-      R"doc(What neither the binder's surface nor a single flake reflects, as two lobes (fit: core/mixture.h).
+      R"doc(What neither the binder's surface nor a single flake reflects, as three lobes (fit: core/mixture.h).
 
 substrate (3,): albedo of the Lambertian substrate, RGB from 0 to 1; cos_view (...): cosines of the
 view outside the binder, 0 to 1. Returns a dict: diffuse (..., 3), the albedo of the diffuse lobe,

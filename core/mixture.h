@@ -563,10 +563,10 @@ DiffuseShares<T> diffuse_channel(const DiffuseRates<T>& diffuse_light, T Rgb<T>:
 // What flakes scatter several times keeps to the holes as well, by no formula that we have. So n,
 // the lobe's height and kLean are fitted to all that finite flakes show (390 paints of
 // tests/fits/finite_scenes.h; tests/fits/fit_mixture.py fits them anew). The whole paint is within
-// 5 % in 0.84 of 1056 fresh cases. Fitted to exp(c k) alone, the lobe is wider and lower, and at 15
-// degrees from its light the paint is 4 % too dark in the median. Of exp(c k) the logarithm errs by
-// a root mean square of 0.12 over all lights, by 0.39 with k = 0 and by 0.17 with the best diffuse
-// lobe (docs/fits.md).
+// 5 % in 0.83 of cases (100 fresh paints, 12 pairs of directions). Fitted to exp(c k) alone, the
+// lobe is wider and lower, and at 15 degrees from its light the paint is 4 % too dark in the
+// median. Of exp(c k) the logarithm errs by a root mean square of 0.12 over all lights, by 0.39
+// with k = 0 and by 0.17 with the best diffuse lobe (docs/fits.md).
 inline constexpr double kLean = 0.09;
 // For H over the flakes' diameter, h: n = kReturnExponent (1 + kReturnNarrowing h)^2, and the
 // lobe's integral goes with kReturnHeight/((n + 2) (1 + kReturnLowering h)).

@@ -87,7 +87,7 @@ class Shades(TypedDict):
     scattered: NDArray[np.float64]  # (n, m, 3): the mixture's lobes
     shine: NDArray[np.float64]  # (n, m): the coat's
     coat_reflected: NDArray[np.float64]  # (n,)
-    coat_rest: NDArray[np.float64]  # (n,): the share of all but the shine
+    coat_rest: NDArray[np.float64]  # (n,): the factor of all but the shine, which may exceed 1
     coat_normal: NDArray[np.float64]  # (n, 3): with the orange peel
     diffuse: NDArray[np.float64]  # (n, 3): albedo of the diffuse lobe, with the texture
     glossy: NDArray[np.float64]  # (n, 3): of the glossy one
@@ -171,7 +171,7 @@ def flake_brdf(
 
 class Mixture(TypedDict):
     diffuse: NDArray[np.float64]  # (..., 3): albedo of the diffuse lobe
-    glossy: NDArray[np.float64]  # (..., 3): of the lobe of GGX microfacets that reflect all
+    glossy: NDArray[np.float64]  # (..., 3): of the lobe about the mirror direction
     returned: NDArray[np.float64]  # (..., 3): of the lobe about the view
     alpha: NDArray[np.float64]  # (...): roughness of the glossy lobe
     exponent: NDArray[np.float64]  # (...): of the returning lobe

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -118,6 +120,12 @@ def test_a_mesh_of_each_format_stands_in_the_studio(tmp_path: Path, suffix: str)
     assert "Sample" not in said  # Cycles' own lines
 
 
+def test_a_name_may_be_as_long_as_the_system_lets_it(tmp_path: Path, triangle: Path) -> None:
+    out = tmp_path / ("x" * 251 + ".png")
+    rendered(triangle, "--out", out, *QUICK)
+    assert_shows_something(out, (64, 36))
+
+
 def test_a_png_has_the_size_asked_for(tmp_path: Path) -> None:
     add_ball()
     mesh, out = tmp_path / "ball.obj", tmp_path / "ball.png"
@@ -153,9 +161,9 @@ def test_a_blend_keeps_its_camera_lights_size_and_samples(tmp_path: Path) -> Non
 def test_a_blend_without_camera_and_lights_gets_the_studio(tmp_path: Path) -> None:
     add_ball("Left"), add_ball("Right")
     file, out = save_blend(tmp_path / "two.blend"), tmp_path / "two.exr"
-    said = rendered(file, "--out", out, "--object", "Right", *QUICK)
+    said = rendered(file, "--out", out, *QUICK, "--object", "Right", "Right")
     assert_shows_something(out, (64, 36))
-    assert "Painting 1 object" in said
+    assert "Painting 1 object," in said
     assert "light 1: " in said
 
 
@@ -277,6 +285,7 @@ def test_the_picture_must_be_writable(out: Path, triangle: Path) -> None:
         (out.with_suffix(".jpg"), "picture.jpg: a picture's name ends in .exr or .png."),
         (out / "deep" / "picture.png", "cannot be written: Not a directory."),
         (out.parent.with_suffix(".png"), "cannot be written: it is a folder."),
+        (out.with_stem("x" * 252), "cannot be written: File name too long."),
     ):
         if "folder" in sentence:
             file.mkdir()
@@ -295,9 +304,15 @@ def test_the_paints_that_the_help_names_exist() -> None:
 def test_wrong_usage_has_a_code_of_its_own(out: Path, triangle: Path) -> None:
     whole = [triangle, "--paint", "copper", "--out", out]
     assert_fails(out, whole[:1], "required: --paint, --out", code=2)
-    assert_fails(out, [*whole, "--samples", 0], "invalid whole number of 1 or more", code=2)
     assert_fails(out, [*whole, "--scale", "inf"], "invalid number above 0", code=2)
-    assert_fails(out, ["--width", "wide"], "invalid whole number of 1 or more", 2, "demo")
+    for option, value, most in (
+        ("--samples", 0, 16777216),
+        ("--width", 65537, 65536),
+        ("--height", "tall", 65536),
+    ):
+        sentence = f"argument {option}: invalid whole number from 1 to {most} value: '{value}'"
+        assert_fails(out, [*whole, option, value], sentence, code=2)
+    assert_fails(out, ["--samples", 10**11], "from 1 to 16777216 value: '100000000000'", 2, "demo")
 
 
 def test_named_objects_must_exist_and_hold_paint(tmp_path: Path, out: Path, triangle: Path) -> None:
@@ -316,6 +331,12 @@ def test_scale_is_for_meshes(tmp_path: Path, out: Path) -> None:
     file.write_text("")
     arguments = [file, "--paint", "silver-coarse", "--out", out, "--scale", 2]
     assert_fails(out, arguments, "--scale is for a mesh; ")
+
+
+def test_a_scale_may_be_too_large(out: Path, triangle: Path) -> None:
+    triangle.write_text("v 0 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n")
+    arguments = [triangle, "--paint", "copper", "--out", out, "--scale", 1e38]
+    assert_fails(out, arguments, "triangle.obj: what is to be painted has no finite extent.")
 
 
 def test_coordinates_must_be_numbers(tmp_path: Path, out: Path) -> None:
@@ -337,6 +358,37 @@ def test_a_paint_that_is_all_black_fails(tmp_path: Path, out: Path) -> None:
     file = save_blend(tmp_path / "night.blend")
     arguments = [file, "--paint", "copper", "--out", out, *QUICK]
     assert_fails(out, arguments, "All the paint in the picture is black")
+
+
+# As every command that needs Blender begins.
+BEGIN = """
+import signal
+import sys
+sys.path.insert(0, sys.argv[1])
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever our starter ignores
+from common import blender_env
+
+blender_env.prepare()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_while_blender_is_imported_leaves_nothing(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGIN, TOOLS],
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not list(tmp_path.iterdir()) and process.poll() is None:
+        time.sleep(0.01)
+    time.sleep(0.1)
+    process.send_signal(number)
+    _, said = process.communicate(timeout=SECONDS)
+    assert (process.returncode, said) == (128 + number, "\nInterrupted.\n")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -131,9 +132,18 @@ ROW = "10,20,180,0.1,0.1,0.1"
         ("a.csv", f"{HEAD}\n10,20,0,1,nan,1\n", "line 2: green is nan, but must be from 0"),
         ("a.csv", f"{HEAD}\n10,20,0,-1,1,1\n", "line 2: red is -1, but must be from 0"),
         ("a.csv", f"{HEAD}\n10,20,inf,1,1,1\n", "line 2: phi is inf, but must be from -360"),
+        ("a.csv", f"{HEAD}\n{ROW},1\n", "line 2 has 7 fields for 6 columns"),
+        ("a.csv", f"{HEAD},red\n{ROW},1\n", "has two columns red"),
+        ("a.csv", f"{HEAD}\n{ROW}{'1' * 131072}\n", "line 2 is no CSV: field larger"),
+        ("a.csv", "x" * 131073, "line 1 is no CSV: field larger"),
         ("a.csv", f"{HEAD}\n{ROW}\n", "has 1 rows, but a fit needs at least 30"),
         ("a.csv", f"{HEAD}\n" + "10,20,180,0,0,0\n" * 40, "is black in every row"),
-        ("a.csv", f"{HEAD}\n" + "10,85,180,1,1,1\n" * 40, "0 rows with both angles up to 80°"),
+        ("a.csv", f"{HEAD}\n" + "10,85,180,1,1,1\n" * 40, "0 rows of different angles up to 80°"),
+        (
+            "a.csv",
+            f"{HEAD}\n" + f"{ROW}\n10,20,-180,1,1,1\n" * 40,
+            "1 rows of different angles up to",
+        ),
         ("a.binary", "short", "has 5 bytes, but a MERL file has 34992012"),
         ("a.txt", "", "a measured BRDF is a .csv or one of MERL's .binary files"),
     ],
@@ -153,6 +163,7 @@ def test_bad_merl_files_are_refused_by_name(tmp_path: Path) -> None:
     path = tmp_path / "mine.binary"
     for planes, complaint in (
         (np.full((3, *MERL_SIDES), np.nan), "no numbers"),
+        (np.full((3, *MERL_SIDES), 1.5e9), "values of 1000000 1/sr"),
         (np.full((3, *MERL_SIDES), -1.0), "no value above 0"),
     ):
         with pytest.raises(BrdfError, match=complaint):
@@ -165,3 +176,17 @@ def test_bad_merl_files_are_refused_by_name(tmp_path: Path) -> None:
 def test_an_unknown_name_is_told_those_that_are() -> None:
     with pytest.raises(BrdfError, match=r"'mauve' is neither a file nor .*green-metallic-paint"):
         brdf.load("mauve")
+
+
+def test_what_is_closed_to_us_or_has_no_name_is_refused(closed: Path) -> None:
+    with pytest.raises(BrdfError, match="mine cannot be read: Permission denied"):
+        brdf.load(str(closed / "mine"))
+    closed.chmod(0o700)
+    for name in ("mine.csv", "mine.binary"):
+        (closed / name).touch()
+        os.truncate(closed / name, 12 + 3 * math.prod(MERL_SIDES) * 8 if "b" in name else 0)
+        (closed / name).chmod(0)
+        with pytest.raises(BrdfError, match=f"{name} cannot be read: Permission denied"):
+            brdf.load(str(closed / name))
+    with pytest.raises(BrdfError, match="cannot be read: File name too long"):
+        brdf.load("x" * 300)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import traceback
@@ -13,11 +14,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
+from common.processes import is_outermost, stop_signals
+
 _scratch: list[Path] = []
 
 
 def prepare() -> None:
-    """Gives Blender empty user settings, and Python Blender's own packages.
+    """Gives Blender empty user settings, and Python Blender's own packages, and imports bpy.
 
     The bpy module, unlike the program, does not put its OpenImageIO and oslquery on sys.path, and
     without oslquery no script node compiles. Call this before anything imports bpy.
@@ -31,6 +34,15 @@ def prepare() -> None:
     user = Path(tempfile.mkdtemp(prefix="metallic-paint-"))
     os.environ["BLENDER_USER_RESOURCES"] = str(user)
     _scratch.append(user)
+
+    # Ctrl-C within the import is lost, or bpy crashes: it has to wait.
+    signal.pthread_sigmask(signal.SIG_BLOCK, stop_signals())
+    importlib.import_module("bpy")
+    if came := signal.sigpending() & set(stop_signals()):
+        if is_outermost():
+            print("\nInterrupted.", file=sys.stderr)
+        finish(128 + min(came))
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, stop_signals())
 
 
 def run(main: Callable[[], int]) -> NoReturn:

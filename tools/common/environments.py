@@ -15,10 +15,11 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import IO
 
 from common.processes import (
     BUILD,
@@ -156,15 +157,26 @@ def _is_usable(python: Path, version: str) -> bool:
 
 @contextmanager
 def alone() -> Iterator[None]:
-    """Keeps two runs in one tree from changing build/ at the same time. It does not nest."""
-    BUILD.mkdir(exist_ok=True)
-    with (BUILD / ".lock").open("w") as lock:
+    """Keeps two runs in one tree from changing build/ at the same time. It does not nest.
+
+    Whoever may not write there runs what is installed, and needs no lock.
+    """
+    with ExitStack() as stack:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            say("Waiting for another run that is building here…")
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
+            with suppress(OSError):
+                BUILD.mkdir(exist_ok=True)
+                _lock(stack.enter_context((BUILD / ".lock").open("w")))
+            yield
+        except PermissionError as error:
+            raise StepFailedError(f"{error.filename}: {error.strerror}.") from error
+
+
+def _lock(file: IO[str]) -> None:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        say("Waiting for another run that is building here…")
+        fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _install(environment: Environment, python: Path, extra: Sequence[str] = ()) -> None:

@@ -8,29 +8,51 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
+_numbers = count()
 _unfinished: dict[Path, list[Path]] = {}  # with the folders made for each, innermost first
 
 
 def obstacle(path: Path) -> str:
     """Why nothing can be written there, found out before minutes of work; it makes nothing."""
-    there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
+    try:
+        if path.is_symlink():
+            path = Path(os.path.realpath(path))
+        if os.path.lexists(path) and not (path.is_file() or path.is_dir()):
+            return "neither a file nor a folder"
+        if Path.cwd().is_relative_to(os.path.realpath(path)):
+            return "the current folder lies there"
+        there = next(folder for folder in path.absolute().parents if os.path.lexists(folder))
+    except OSError as error:  # a folder closed to us
+        return os.strerror(error.errno)
     if not there.is_dir():
         return os.strerror(errno.ENOTDIR)
-    return "" if os.access(there, os.W_OK | os.X_OK) else os.strerror(errno.EACCES)
+    if len(os.fsencode(path.name)) > os.pathconf(there, "PC_NAME_MAX"):
+        return os.strerror(errno.ENAMETOOLONG)
+    needed = [(there, os.W_OK | os.X_OK)]
+    if path.is_dir():
+        needed.append((path, os.R_OK | os.W_OK | os.X_OK))
+    return "" if all(os.access(*each) for each in needed) else os.strerror(errno.EACCES)
 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A path beside it for a new file or folder, which takes its place if the block ends well."""
-    path = path.absolute()
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    """A path beside it for a new file or folder, which takes its place if the block ends well.
+
+    A symbolic link stays one: what it names is written.
+    """
+    suffix = path.suffix[
+        :8
+    ]  # by which a picture's form is chosen; long names have no room for more
+    path = Path(os.path.realpath(path))
+    beside = path.with_name(f".{os.getpid()}-{next(_numbers)}{suffix}")
     _unfinished[beside] = [folder for folder in path.parents if not folder.exists()]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield beside
-        if path.is_dir():  # only an empty one would give way
+        if path.is_dir() and beside.is_dir():  # only an empty one would give way
             earlier = beside.with_suffix(".earlier")
             path.rename(earlier)
             beside.rename(path)
@@ -55,10 +77,11 @@ def remove_unfinished() -> None:
 
 
 def _remove(beside: Path) -> None:
-    if beside.is_dir():
-        shutil.rmtree(beside, ignore_errors=True)
-    else:
-        beside.unlink(missing_ok=True)
+    with suppress(OSError):
+        if beside.is_dir():
+            shutil.rmtree(beside, ignore_errors=True)
+        else:
+            beside.unlink()
     with suppress(OSError):  # a folder that holds something else by now stays
         for folder in _unfinished.pop(beside):
             folder.rmdir()

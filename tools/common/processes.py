@@ -142,7 +142,7 @@ def run_program(main: Callable[[], int]) -> NoReturn:
 
     No child outlives us, however we are told to stop.
     """
-    for number in _stop_signals():
+    for number in stop_signals():
         signal.signal(number, _interrupt)
     try:
         sys.exit(main())
@@ -160,12 +160,12 @@ def is_outermost() -> bool:
 
 
 def _interrupt(number: int, _frame: object) -> None:
-    for each in _stop_signals():  # a second Ctrl-C must not stop the ending of the children
+    for each in stop_signals():  # a second Ctrl-C must not stop the ending of the children
         signal.signal(each, signal.SIG_IGN)
     raise _InterruptedError(number)
 
 
-def _stop_signals() -> list[int]:
+def stop_signals() -> list[int]:
     """Leaves alone what our starter ignores, as a shell does with Ctrl-C for its background."""
     both = (signal.SIGINT, signal.SIGTERM)
     return [number for number in both if signal.getsignal(number) != signal.SIG_IGN]

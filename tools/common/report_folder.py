@@ -26,6 +26,8 @@ class ReportFolder:
 
     def check(self, out: Path) -> None:
         """Finds out before minutes of measuring whether the report may be written there."""
+        if why := files.obstacle(out):
+            raise StepFailedError(f"--out {out}: cannot be written ({why}).")
         if out.is_symlink() or (out.exists() and not out.is_dir()):
             raise StepFailedError(f"--out {out}: not a folder.")
         others = sorted(p.name for p in out.iterdir()) if out.is_dir() else []
@@ -35,10 +37,12 @@ class ReportFolder:
                 f"--out {out}: holds {others[0]}, which ./paint {self.command} did not make."
             )
         report = out / REPORT
-        if report.exists() and self.mark not in report.read_text(errors="replace"):
+        try:
+            is_ours = not report.exists() or self.mark in report.read_text(errors="replace")
+        except OSError:  # a folder, or closed to us
+            is_ours = False
+        if not is_ours:
             raise StepFailedError(f"{report} is not a report of ./paint {self.command}.")
-        if why := files.obstacle(out):
-            raise StepFailedError(f"--out {out}: cannot be written ({why}).")
 
     @contextmanager
     def fill(self, out: Path) -> Iterator[Path]:
@@ -70,12 +74,12 @@ GALLERY = ReportFolder(
 
 def check_file(file: Path, out: Path | None = None) -> None:
     """Finds out before the work whether --json can be written."""
-    if out and out.resolve() in file.resolve().parents:
-        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
-    if file.is_dir():
-        raise StepFailedError(f"--json {file}: a folder.")
     if why := files.obstacle(file):
-        raise StepFailedError(f"--json {file}: no folder to write to ({why}).")
+        raise StepFailedError(f"--json {file}: cannot be written ({why}).")
+    if out and file.resolve().is_relative_to(out.resolve()):
+        raise StepFailedError(f"--json {file}: the report's folder holds the report alone.")
+    if file.is_dir() or (out and out.resolve().is_relative_to(file.resolve())):
+        raise StepFailedError(f"--json {file}: a folder.")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:

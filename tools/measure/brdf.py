@@ -32,6 +32,7 @@ MERL_SCALES = np.array([1.0, 1.15, 1.66]) / 1500
 
 COLUMNS = ("theta_light", "theta_view", "phi", "red", "green", "blue")
 FEWEST_ROWS = 30  # twice the numbers that a fit finds
+MOST_VALUE = 1e6  # 1/sr, and below it
 MOST_BYTES = 4 * 2**20
 MOST_FITTED = 800  # rows that a fit looks at, evenly through the file
 PLACES_AT_ONCE = 256
@@ -71,14 +72,17 @@ def load(name: str) -> Brdf:
     if name in FITS:
         return published(name)
     path = Path(name)
-    if not path.is_file():
-        raise BrdfError(
-            f"{name!r} is neither a file nor a measured paint; these are {', '.join(NAMES)}."
-        )
-    if path.suffix == ".csv":
-        return _of_csv(path)
-    if path.suffix == ".binary":
-        return _of_merl(path)
+    try:
+        if not path.is_file():
+            raise BrdfError(
+                f"{name!r} is neither a file nor a measured paint; these are {', '.join(NAMES)}."
+            )
+        if path.suffix == ".csv":
+            return _of_csv(path)
+        if path.suffix == ".binary":
+            return _of_merl(path)
+    except OSError as error:  # a name too long, a file closed to us
+        raise BrdfError(f"{path} cannot be read: {error.strerror}.") from error
     raise BrdfError(f"{path}: a measured BRDF is a .csv or one of MERL's .binary files.")
 
 
@@ -177,6 +181,8 @@ def _of_merl(path: Path) -> Brdf:
         raise BrdfError(f"{path} holds values that are no numbers.")
     if not (planes > 0).any():
         raise BrdfError(f"{path} holds no value above 0.")
+    if (planes.max(axis=(1, 2, 3)) * MERL_SCALES >= MOST_VALUE).any():
+        raise BrdfError(f"{path} holds values of {MOST_VALUE:.0f} 1/sr and more.")
 
     def value(light: np.ndarray, view: np.ndarray) -> np.ndarray:
         found = planes[(slice(None), *_merl_cell(light, view))]
@@ -218,7 +224,8 @@ def _of_csv(path: Path) -> Brdf:
         raise BrdfError(f"{path} is black in every row.")
     theta_light, theta_view, phi = np.radians(rows[:, :3]).T
     light, view = direction(theta_light), direction(theta_view, phi)
-    places = np.concatenate([_place(light, view), _place(view, light)])  # reciprocity
+    here = _place(light, view)
+    places = np.concatenate([here, _place(view, light)])  # reciprocity
     values = np.concatenate([rows[:, 3:], rows[:, 3:]])
 
     def value(light: np.ndarray, view: np.ndarray) -> np.ndarray:
@@ -227,10 +234,11 @@ def _of_csv(path: Path) -> Brdf:
         return np.concatenate([_near(places, values, wanted[i : i + PLACES_AT_ONCE]) for i in some])
 
     lit = (theta_light <= GRAZING) & (theta_view <= GRAZING)
-    if lit.sum() < FEWEST_ROWS:
+    different = len(np.unique(here[lit].round(6), axis=0))
+    if different < FEWEST_ROWS:
         raise BrdfError(
-            f"{path} has {lit.sum()} rows with both angles up to {math.degrees(GRAZING):.0f}°, but "
-            f"a fit needs at least {FEWEST_ROWS}."
+            f"{path} has {different} rows of different angles up to {math.degrees(GRAZING):.0f}°, "
+            f"but a fit needs at least {FEWEST_ROWS}."
         )
     lit &= np.cumsum(lit) % math.ceil(lit.sum() / MOST_FITTED) == 0
     return Brdf(path.stem, f"the file {path.name}", value, light[lit], view[lit], is_scattered=True)
@@ -262,25 +270,39 @@ def _rows_of(path: Path) -> Iterator[list[float]]:
         raise BrdfError(f"{path} is larger than {MOST_BYTES} bytes.")
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise BrdfError(f"{path} cannot be read: {error}.") from error
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1)
              if line.strip() and not line.startswith("#")]  # fmt: skip
-    head = [word.strip() for word in next(csv.reader([lines[0][1]]))] if lines else []
+    head = [word.strip() for word in _fields_of(path, *lines[0])] if lines else []
     for column in COLUMNS:
         if column not in head:
             raise BrdfError(
                 f"{path} has no column {column}: its first line must name "
                 f"{', '.join(COLUMNS)} (degrees, and 1/sr)."
             )
+        if head.count(column) > 1:
+            raise BrdfError(f"{path} has two columns {column}.")
     for number, line in lines[1:]:
-        fields = next(csv.reader([line]))
+        fields = _fields_of(path, number, line)
+        if len(fields) > len(head):
+            raise BrdfError(
+                f"{path}, line {number} has {len(fields)} fields for {len(head)} columns: commas "
+                "part them, and numbers need decimal points."
+            )
         row = []
         for column in COLUMNS:
             at = head.index(column)
             word = fields[at].strip() if at < len(fields) else ""
             row.append(_number(f"{path}, line {number}: {column}", column, word))
         yield row
+
+
+def _fields_of(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return next(csv.reader([line]))
+    except csv.Error as error:
+        raise BrdfError(f"{path}, line {number} is no CSV: {error}.") from error
 
 
 def _number(where: str, column: str, word: str) -> float:
@@ -293,7 +315,7 @@ def _number(where: str, column: str, word: str) -> float:
     elif column == "phi":
         low, high, range_ = -360.0, math.nextafter(360, 361), "from -360 to 360 degrees"
     else:
-        low, high, range_ = 0.0, 1e6, "from 0 to below 1e6 1/sr"
+        low, high, range_ = 0.0, MOST_VALUE, f"from 0 to below {MOST_VALUE:.0f} 1/sr"
     if not low <= value < high:
         raise BrdfError(f"{where} is {word}, but must be {range_}.")
     return value

@@ -70,7 +70,7 @@ def parse() -> argparse.Namespace:
     )  # fmt: skip
     render_scene.add_arguments(parser)
     parser.add_argument(
-        "--height", type=render_scene.at_least_1, metavar="H",
+        "--height", type=render_scene.whole_number(render_scene.MOST_PIXELS), metavar="H",
         help="in pixels (follows from the width)",
     )  # fmt: skip
     parser.add_argument(
@@ -164,7 +164,7 @@ def named(scene: bpy.types.Scene, names: Sequence[str]) -> list[bpy.types.Object
                 f"The scene has no object {name!r}; its meshes are "
                 f"{', '.join(repr(thing.name) for thing in meshes(scene)) or 'none'}."
             )
-    return [scene.objects[name] for name in names]
+    return [scene.objects[name] for name in dict.fromkeys(names)]
 
 
 def meshes(scene: bpy.types.Scene) -> list[bpy.types.Object]:
@@ -183,8 +183,10 @@ def bounds(things: Sequence[bpy.types.Object], file: Path) -> tuple[Vector, Vect
             raise RenderError(f"{file}: {thing.name!r} has coordinates that are no finite numbers.")
     corners = [thing.matrix_world @ Vector(c) for thing in evaluated for c in thing.bound_box]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    if not 0 < np.linalg.norm(high - low) < np.inf:
-        raise RenderError(f"{file}: what is to be painted has no extent.")
+    extent = np.linalg.norm(high - low)
+    if not 0 < extent < np.inf:
+        finite = "" if extent == 0 else "finite "
+        raise RenderError(f"{file}: what is to be painted has no {finite}extent.")
     return Vector(low), Vector(high)
 
 

@@ -39,6 +39,7 @@ LOG_LINES = 25
 
 STUDIO_SIZE = (960, 540)
 STUDIO_SAMPLES = 24
+MOST_SAMPLES, MOST_PIXELS = 2**24, 2**16  # Blender's own limits
 VIEW_TRANSFORM, LOOK = "AgX", "AgX - Medium High Contrast"  # as a camera's film takes bright light
 
 _console: IO[str] = sys.stdout
@@ -86,8 +87,10 @@ def _watch_signals() -> None:
 
 
 def _end(code: int) -> NoReturn:
-    files.remove_unfinished()
-    blender_env.finish(code)
+    try:
+        files.remove_unfinished()
+    finally:
+        blender_env.finish(code)
 
 
 def say(line: str) -> None:
@@ -133,23 +136,28 @@ def quiet() -> Iterator[None]:
 # --- the command line ------------------------------------------------------------------------
 
 
-def at_least_1(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise ValueError
-    return number
+def whole_number(most: int) -> Callable[[str], int]:
+    """The type of an argument from 1 to `most`."""
 
+    def read(text: str) -> int:
+        number = int(text)
+        if not 1 <= number <= most:
+            raise ValueError
+        return number
 
-at_least_1.__name__ = "whole number of 1 or more"  # argparse names the type in its message
+    read.__name__ = f"whole number from 1 to {most}"  # argparse names the type in its message
+    return read
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--samples", type=at_least_1, metavar="N", help=f"samples per pixel ({STUDIO_SAMPLES})"
-    )
+        "--samples", type=whole_number(MOST_SAMPLES), metavar="N",
+        help=f"samples per pixel ({STUDIO_SAMPLES})",
+    )  # fmt: skip
     parser.add_argument(
-        "--width", type=at_least_1, metavar="W", help=f"of the picture, pixels ({STUDIO_SIZE[0]})"
-    )
+        "--width", type=whole_number(MOST_PIXELS), metavar="W",
+        help=f"of the picture, pixels ({STUDIO_SIZE[0]})",
+    )  # fmt: skip
 
 
 def load_paint(name: str) -> Paint:
@@ -164,10 +172,10 @@ def check_outputs(pictures: Sequence[Path]) -> None:
     for file in pictures:
         if file.suffix.lower() not in SUFFIXES:
             raise RenderError(f"{file}: a picture's name ends in {' or '.join(SUFFIXES)}.")
-        if file.is_dir():
-            raise RenderError(f"{file} cannot be written: it is a folder.")
         if why := files.obstacle(file):
             raise RenderError(f"{file} cannot be written: {why}.")
+        if file.is_dir():
+            raise RenderError(f"{file} cannot be written: it is a folder.")
 
 
 # --- the picture -----------------------------------------------------------------------------

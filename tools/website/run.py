@@ -14,12 +14,12 @@ MARK = "sitemap.xml"  # in every site that MkDocs made
 
 
 def check(out: Path) -> None:
+    if why := files.obstacle(out):
+        raise StepFailedError(f"--out {out}: cannot be written ({why}).")
     if out.is_symlink() or (out.exists() and not out.is_dir()):
         raise StepFailedError(f"--out {out}: not a folder.")
     if out.is_dir() and any(out.iterdir()) and not (out / MARK).is_file():
         raise StepFailedError(f"--out {out}: holds something else than a site.")
-    if why := files.obstacle(out):
-        raise StepFailedError(f"--out {out}: cannot be written ({why}).")
 
 
 def main() -> int:

@@ -17,7 +17,7 @@ import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from . import table
 from .parameters import Color, Flakes, Paint, PaintError, shown
@@ -142,7 +142,9 @@ def _read(path: Path) -> Paint:
     for name in _SPECIES:
         if name in paint:
             if not isinstance(paint[name], dict):
-                raise PresetError(f"{path}: paint.{name} is no object {{...}}.")
+                raise PresetError(
+                    f"{path}: paint.{name} is {shown(paint[name])}, but must be an object {{...}}."
+                )
             fields[name] = _build(path, f"paint.{name}.", Flakes, paint[name], version)
     return _build(path, "paint.", Paint, fields, version)
 
@@ -175,17 +177,16 @@ def _parse(path: Path) -> object:
     if len(data) > MAX_BYTES:
         raise PresetError(f"{path} is larger than {MAX_BYTES} bytes, the limit for a preset.")
     try:
-        return json.loads(
-            data.decode("utf-8-sig"), parse_constant=_reject_constant, object_pairs_hook=_unique
-        )
+        return json.loads(data.decode("utf-8-sig"), parse_int=_whole, object_pairs_hook=_unique)
     except _NotStrictError as error:
         raise PresetError(f"{path}: {error}") from error
-    except (ValueError, RecursionError) as error:  # also bad UTF-8 and numbers of 5000 digits
+    except (ValueError, RecursionError) as error:  # also bad UTF-8
         raise PresetError(f"{path} is no JSON: {error}.") from error
 
 
-def _reject_constant(word: str) -> NoReturn:
-    raise _NotStrictError(f"{word} is no number that a paint can have.")
+def _whole(word: str) -> float:
+    """Python makes an integer of no more than 4300 digits; no field may have such a value."""
+    return int(word) if len(word) < 1000 else float(word)
 
 
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
