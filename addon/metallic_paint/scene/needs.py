@@ -129,6 +129,7 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
         not live.are_apart()
         or carrier.has_lost_lamp()
         or not carrier.is_attached(lights.showing_paint())
+        or lights.kinds_of(groups[0]) != [kind for kind, *_ in carrier.values()]
     ):
         return False
     return groups[0].get(_FITTED_TO) == _fingerprint(scene)
