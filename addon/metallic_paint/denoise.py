@@ -70,6 +70,7 @@ def outdated(scene: bpy.types.Scene) -> str:
         return f"A lamp of another scene shows the world's sun: press “{SET_UP}”" if missing else ""
     was = scene[_MARK]
     layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
+    switched: list[str] = []
     if layer is None or not layer.use:
         new = ["the view layer that renders"]
     else:
@@ -84,8 +85,22 @@ def outdated(scene: bpy.types.Scene) -> str:
             new.append("the world's sun as it is now")
         if not _is_ours(_tree(scene)):
             new.append("the compositing")
-    again = SET_UP
-    return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
+        switched = _switched(scene, layer)
+    reasons = [f"Denoising does not know {', '.join(new)}", *switched] if new else switched
+    return f"{'; '.join(reasons)}: press “{SET_UP}” again" if reasons else ""
+
+
+def _switched(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
+    """What of the set-up's switches stands otherwise now, in words."""
+    found = []
+    if scene.cycles.use_denoising:
+        found.append("Cycles' own denoising is on, so sparkles count twice")
+    switches = [(layer, name) for name in _PASSES] + [(layer.cycles, "denoising_store_passes")]
+    if off := [of.bl_rna.properties[name].name for of, name in switches if not getattr(of, name)]:
+        found.append(f"Denoising lacks the passes {', '.join(off)}")
+    if not (scene.render.use_compositing and (_BLENDER_5 or scene.use_nodes)):
+        found.append("Compositing is off, so nothing is denoised")
+    return found
 
 
 def why_not_remove(scene: bpy.types.Scene) -> str:

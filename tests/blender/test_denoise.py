@@ -379,6 +379,31 @@ def test_what_came_since_is_told_until_one_presses_again(registered: None) -> No
     pressed()
 
 
+@pytest.mark.every_blender
+def test_a_switch_that_was_turned_since_is_told_until_one_presses_again() -> None:
+    scene = build()
+    denoise.set_up(scene)
+    layer = scene.view_layers[0]
+    turned = [
+        (scene.cycles, "use_denoising", "Cycles' own denoising is on, so sparkles count twice:"),
+        (layer, "use_pass_glossy_direct", "Denoising lacks the passes Glossy Direct:"),
+        (layer.cycles, "denoising_store_passes", "Denoising lacks the passes Store Denoising"),
+        (scene.render, "use_compositing", "Compositing is off, so nothing is denoised:"),
+    ]
+    if bpy.app.version < (5, 0):
+        turned.append((scene, "use_nodes", "Compositing is off"))
+    for of, name, words in turned:
+        setattr(of, name, not getattr(of, name))
+        assert denoise.outdated(scene).startswith(words)
+        assert f"{denoise.outdated(scene)}." in [text for _, text in report(scene)]
+        denoise.set_up(scene)
+        assert denoise.outdated(scene) == ""
+    scene.cycles.use_denoising = True
+    add_lamp("POINT", "Lamp", energy=0.1, location=(0, 0, 1))
+    needs.fit(scene)
+    assert denoise.outdated(scene).startswith("Denoising does not know Lamp; Cycles' own")
+
+
 def test_sparkles_of_instances_pass_by_the_denoiser_too() -> None:
     scene = build()
     ball = scene.objects["Sphere"]
