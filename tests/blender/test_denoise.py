@@ -622,13 +622,32 @@ def test_the_sun_of_a_copied_scene_stays_while_it_is_denoised() -> None:
     assert denoise.outdated(scene) == ""
     denoise.set_up(copy)  # once more: it is the same lamp
     assert len(suns()) == len(masks(scene)) == 1
+    aside = bpy.data.collections.new("Aside")  # hidden, where the copy keeps it
+    for each in (copy, scene):
+        each.collection.children.link(aside)
+        each.collection.objects.unlink(suns()[0])
+    aside.objects.link(suns()[0])
+    aside.hide_render = True
+    denoise.set_up(copy)
+    assert denoise.outdated(copy) == ""
     for each in (copy, scene):
         denoise.remove(each)
     assert not suns()
     assert not masks(scene)
 
 
-CHANGES = ["muted", "hidden", "deleted", "no nodes", "own group", "dark", "other world"]
+CHANGES = [
+    "muted",
+    "hidden",
+    "excluded",
+    "off",
+    "weak",
+    "deleted",
+    "no nodes",
+    "own group",
+    "dark",
+    "other world",
+]
 if bpy.app.version >= (5, 0):
     CHANGES.append("unset")  # a compositing tree, which belonged to the scene before
 
@@ -647,6 +666,15 @@ def test_a_sun_that_an_artist_changes_is_told_of_until_one_presses_again(
         mask.mute = True
     elif change == "hidden":
         lamp.hide_render = True
+    elif change in ("excluded", "off"):
+        aside = bpy.data.collections.new("Aside")
+        scene.collection.children.link(aside)
+        aside.objects.link(lamp)
+        scene.collection.objects.unlink(lamp)
+        aside.hide_render = change == "off"
+        scene.view_layers[0].layer_collection.children["Aside"].exclude = change == "excluded"
+    elif change == "weak":
+        lamp.data.energy = 0
     elif change == "deleted":
         bpy.data.objects.remove(lamp)
     elif change == "no nodes":
