@@ -137,7 +137,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "use_compositing": scene.render.use_compositing,
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
-        "made_light_group": False,
+        "made_light_groups": [],
         "painted": _painted(),
     }
     layer[_MARK] = True
@@ -245,12 +245,14 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
     _give_sun_back(scene)
+    of_older_version = [LIGHT_GROUP] if was.get("made_light_group") else []
+    made = was.get("made_light_groups", of_older_version)
     for layer in _changed_layers(scene, was):
         for name in _PASSES:
             setattr(layer, name, bool(was[name]))
         layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
-        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
-            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+        for name in {*made} & {*layer.lightgroups.keys()}:
+            layer.lightgroups.remove(layer.lightgroups[name])
         layer.pop(_MARK, None)
     for lamp in [thing for thing in bpy.data.objects if _MARK in thing]:
         if lamp.users_scene and scene not in lamp.users_scene:
@@ -288,7 +290,7 @@ def _set_light_groups(
     for lamp in lamps:
         if lamp.lightgroup not in layer.lightgroups:
             layer.lightgroups.add(name=lamp.lightgroup)
-            was["made_light_group"] |= lamp.lightgroup == LIGHT_GROUP
+            was["made_light_groups"].append(lamp.lightgroup)
     changed = []
     if without:
         names = ", ".join(lamp.name for lamp in without)
