@@ -424,6 +424,24 @@ def test_an_instance_that_no_driver_follows_is_renewed_in_each_frame_of_a_render
     assert (probe.render(scene)[::-1] != film[1]).any()  # or the place would not matter
 
 
+def test_an_animated_sky_is_followed_from_frame_to_frame(addon: Addon) -> None:
+    scene, world = bpy.context.scene, bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True  # Blender 4.5
+    tree = world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+    for frame, up in ((1, 0.2), (10, 1.2)):
+        sky.sun_elevation = up
+        sky.keyframe_insert("sun_elevation", frame=frame)
+    scene.world = world
+    update()
+    for frame, up in ((1, 0.2), (10, 1.2)):
+        scene.frame_set(frame)
+        [(_, towards, _, _)] = addon("scene.carrier").values()
+        assert math.asin(towards.z) == pytest.approx(up, abs=1e-5)
+
+
 def placed_at(addon: Addon, lamp: bpy.types.Object, corners: bpy.types.Object, x: float) -> object:
     return addon("scene.placed").Placed(lamp, Matrix.Translation((x, 0, 4)), corners, (0,), False)
 

@@ -116,9 +116,11 @@ def _changed(*_: object) -> None:
 
 
 @persistent
-def _frame_changed(_: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Also while Cycles renders an animation: Blender then evaluates what is renewed once more."""
     lights.renew(depsgraph)
+    if needs.world_is_animated(scene):
+        _changed()  # no driver follows its sun
 
 
 @persistent

@@ -261,13 +261,19 @@ def _draws_every_frame() -> bool:
 # --- the world -------------------------------------------------------------------------------
 
 
+def world_is_animated(scene: bpy.types.Scene) -> bool:
+    world = scene.world
+    tree = world.node_tree if world else None
+    return any(each is not None and each.animation_data is not None for each in (world, tree))
+
+
 def _world_may_shine(scene: bpy.types.Scene) -> bool:
     world = scene.world
     if world is None:
         return False
-    tree = world.node_tree
-    if world.animation_data or (tree and tree.animation_data):
+    if world_is_animated(scene):
         return True
+    tree = world.node_tree
     # Blender 5 always uses the nodes, and warns those who ask.
     if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return any(world.color)
