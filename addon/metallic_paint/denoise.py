@@ -70,6 +70,7 @@ def outdated(scene: bpy.types.Scene) -> str:
         return f"A lamp of another scene shows the world's sun: press “{SET_UP}”" if missing else ""
     was = scene[_MARK]
     layer: bpy.types.ViewLayer | None = scene.view_layers.get(was["layer"])
+    switched: list[str] = []
     if layer is None or not layer.use:
         new = ["the view layer that renders"]
     else:
@@ -84,8 +85,22 @@ def outdated(scene: bpy.types.Scene) -> str:
             new.append("the world's sun as it is now")
         if not _is_ours(_tree(scene)):
             new.append("the compositing")
-    again = SET_UP
-    return f"Denoising does not know {', '.join(new)}: press “{again}” again" if new else ""
+        switched = _switched(scene, layer)
+    reasons = [f"Denoising does not know {', '.join(new)}", *switched] if new else switched
+    return f"{'; '.join(reasons)}: press “{SET_UP}” again" if reasons else ""
+
+
+def _switched(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
+    """What of the set-up's switches stands otherwise now, in words."""
+    found = []
+    if scene.cycles.use_denoising:
+        found.append("Cycles' own denoising is on, so sparkles count twice")
+    switches = [(layer, name) for name in _PASSES] + [(layer.cycles, "denoising_store_passes")]
+    if off := [of.bl_rna.properties[name].name for of, name in switches if not getattr(of, name)]:
+        found.append(f"Denoising lacks the passes {', '.join(off)}")
+    if not (scene.render.use_compositing and (_BLENDER_5 or scene.use_nodes)):
+        found.append("Compositing is off, so nothing is denoised")
+    return found
 
 
 def why_not_remove(scene: bpy.types.Scene) -> str:
@@ -122,7 +137,7 @@ def set_up(scene: bpy.types.Scene) -> list[str]:
         "use_compositing": scene.render.use_compositing,
         "denoising_store_passes": layer.cycles.denoising_store_passes,
         **{name: getattr(layer, name) for name in _PASSES},
-        "made_light_group": False,
+        "made_light_groups": [],
         "painted": _painted(),
     }
     layer[_MARK] = True
@@ -230,12 +245,14 @@ def _change_back(scene: bpy.types.Scene, was: dict) -> None:
     """Also of a change that broke off."""
     _take_down(scene, was)
     _give_sun_back(scene)
+    of_older_version = [LIGHT_GROUP] if was.get("made_light_group") else []
+    made = was.get("made_light_groups", of_older_version)
     for layer in _changed_layers(scene, was):
         for name in _PASSES:
             setattr(layer, name, bool(was[name]))
         layer.cycles.denoising_store_passes = bool(was["denoising_store_passes"])
-        if was["made_light_group"] and LIGHT_GROUP in layer.lightgroups:
-            layer.lightgroups.remove(layer.lightgroups[LIGHT_GROUP])
+        for name in {*made} & {*layer.lightgroups.keys()}:
+            layer.lightgroups.remove(layer.lightgroups[name])
         layer.pop(_MARK, None)
     for lamp in [thing for thing in bpy.data.objects if _MARK in thing]:
         if lamp.users_scene and scene not in lamp.users_scene:
@@ -273,7 +290,7 @@ def _set_light_groups(
     for lamp in lamps:
         if lamp.lightgroup not in layer.lightgroups:
             layer.lightgroups.add(name=lamp.lightgroup)
-            was["made_light_group"] |= lamp.lightgroup == LIGHT_GROUP
+            was["made_light_groups"].append(lamp.lightgroup)
     changed = []
     if without:
         names = ", ".join(lamp.name for lamp in without)

@@ -36,13 +36,15 @@ def core_missing() -> str:
 
 
 def core_lights() -> list[Light]:
-    """The slots in use, as the core takes them."""
+    """The slots in use, as the core takes them; that of a light scaled to nothing is unused."""
     import metallic_paint_core as core
 
-    return [
-        core.Light(core.LightKind(kind), vector, size, facing)
-        for kind, vector, size, facing in carrier.values()
-    ]
+    found = []
+    for kind, vector, size, facing in carrier.values():
+        points = facing if kind == carrier.AREA else vector
+        known = kind == carrier.POSITIONED or any(points)
+        found.append(core.Light(core.LightKind(kind if known else 0), vector, size, facing))
+    return found
 
 
 def _load() -> None:

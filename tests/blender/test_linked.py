@@ -194,6 +194,43 @@ def test_an_overridden_car_is_lit_as_the_appended_one(
     np.testing.assert_array_equal(shown_elsewhere(tmp_path), expected)
 
 
+def test_an_overridden_car_with_headlights_keeps_the_shots_lights_once_it_is_saved(
+    library: Path, tmp_path: Path
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(library))
+    lamp = add_lamp("POINT", "Headlight", energy=0.1, location=(0.02, 0, 0.1))
+    bpy.data.collections["Cars"].objects.link(lamp)
+    bpy.context.collection.objects.unlink(lamp)
+    needs.fit(bpy.context.scene)
+    save(library)
+    car = bring(library, "instance", link=True)
+    cars = car.instance_collection
+    bpy.data.objects.remove(car)
+    cars.override_hierarchy_create(
+        bpy.context.scene, bpy.context.view_layer, do_fully_editable=True
+    )
+    assert any(tree.override_library for tree in bpy.data.node_groups)  # of the library's lights
+    needs.fit(bpy.context.scene)
+    values = carrier.values()
+    assert len(values) == 5
+    shot = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=shot)
+    bpy.ops.wm.open_mainfile(filepath=shot)
+    assert carrier.values() == values
+    assert needs.is_fitted(bpy.context.scene)
+
+
+def test_a_slot_that_the_file_lost_is_noticed(library: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(library))
+    scene, values = bpy.context.scene, carrier.values()
+    for name in ("Light1Direction", "Light1Facing"):
+        assert needs.is_fitted(scene)
+        del carrier.only()[name]
+        assert not needs.is_fitted(scene)
+        needs.fit(scene)
+        assert carrier.values() == values
+
+
 def test_a_car_that_comes_through_two_files(library: Path, tmp_path: Path) -> None:
     expected = shown_appended(library, "material")
     bring(library, "material", link=True)

@@ -20,7 +20,7 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import lights, needs, rest_position, sight
 from metallic_paint.scene.report import report
 from recording import drawn
-from scenery import add_lamp, link_paint, nest_paint, show_as_instance
+from scenery import add_lamp, disc, link_paint, nest_paint, show_as_instance, world_of
 from verification import scenes
 
 SIZE = 64
@@ -249,6 +249,35 @@ def test_several_scenes_with_paints_are_warned_of() -> None:
     empty.instance_type, empty.instance_collection = "COLLECTION", collection
     other.collection.objects.link(empty)
     assert "More than one scene uses paints" in bad(scene)
+
+
+def test_the_sun_of_a_world_is_foretold_as_a_sun_lamp_of_its_place_and_size() -> None:
+    scene = build()
+    sun = scene.objects["Sun"]
+    lamps = said(scene, "INFO")
+    scene.view_layers[0].update()
+    towards = np.array(sun.matrix_world.col[2].xyz)
+    sun.hide_render = True
+    radius = sun.data.angle / 2
+    world_of(disc(towards, radius, sun.data.energy / (math.pi * radius**2), 0))
+    assert bad(scene) == ""
+    most = [number(r"and ([\d.,e+-]+) where there are most", each)
+            for each in (lamps, said(scene, "INFO"))]  # fmt: skip
+    assert most[1] == pytest.approx(most[0], rel=0.5)  # of pixels 3 mrad wide
+    scene.cycles.sample_clamp_direct = 0.1
+    assert "Clamp Direct 0.1 cuts sparkles" in bad(scene)
+    add_lamp("POINT", "Point", energy=0.01, location=(0, -1, 1))
+    assert "Light 2: the sun of World." in said(scene)
+
+
+@pytest.mark.parametrize("kind", ["SUN", "AREA"])
+def test_a_lamp_scaled_to_nothing_is_left_out(kind: str) -> None:
+    scene = build()
+    before = [line for line in said(scene).splitlines() if "flakes a pixel" in line]
+    add_lamp(kind, "Nothing", scale=(0, 0, 0))
+    assert before == [line for line in said(scene).splitlines() if "flakes a pixel" in line]
+    bpy.data.objects.remove(scene.objects["Sun"])
+    assert "no sparkle is to be expected" in bad(scene)
 
 
 def test_a_lamp_hidden_at_this_frame_is_foretold_no_sparkles() -> None:

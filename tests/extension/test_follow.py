@@ -424,6 +424,24 @@ def test_an_instance_that_no_driver_follows_is_renewed_in_each_frame_of_a_render
     assert (probe.render(scene)[::-1] != film[1]).any()  # or the place would not matter
 
 
+def test_an_animated_sky_is_followed_from_frame_to_frame(addon: Addon) -> None:
+    scene, world = bpy.context.scene, bpy.data.worlds.new("World")
+    if world.node_tree is None:
+        world.use_nodes = True  # Blender 4.5
+    tree = world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+    for frame, up in ((1, 0.2), (10, 1.2)):
+        sky.sun_elevation = up
+        sky.keyframe_insert("sun_elevation", frame=frame)
+    scene.world = world
+    update()
+    for frame, up in ((1, 0.2), (10, 1.2)):
+        scene.frame_set(frame)
+        [(_, towards, _, _)] = addon("scene.carrier").values()
+        assert math.asin(towards.z) == pytest.approx(up, abs=1e-5)
+
+
 def placed_at(addon: Addon, lamp: bpy.types.Object, corners: bpy.types.Object, x: float) -> object:
     return addon("scene.placed").Placed(lamp, Matrix.Translation((x, 0, 4)), corners, (0,), False)
 
@@ -446,6 +464,46 @@ def test_with_a_window_the_timer_fits_once_the_scene_rests(
     follow.follow()
     assert slots(addon) == ["Sun", "Sun 2"]
     assert len(fits) == 1
+
+
+def test_with_a_window_another_scene_in_it_is_fitted(
+    addon: Addon, painted: bpy.types.Object, jobs: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    follow = addon("scene.follow")
+    monkeypatch.setattr(follow, "REST_SECONDS", 0)
+    add("SUN", "Sun")
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(painted)
+    other.collection.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "SPOT")))
+    follow.follow()
+    assert slots(addon) == ["Sun"]
+    bpy.context.window.scene = other
+    follow.follow()
+    assert slots(addon) == ["Lamp"]
+
+
+def test_a_file_that_was_open_before_the_add_on_is_fitted(
+    addon: Addon, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(addon("scene.follow"), "REST_SECONDS", 0)
+    addon_utils.disable(NAME)
+    add("SUN", "Sun")
+    addon_utils.enable(NAME)
+    assert slots(addon) == []
+    addon("scene.follow").follow()
+    assert slots(addon) == ["Sun"]
+
+
+def test_scripts_may_clear_what_calls_the_add_on(addon: Addon) -> None:
+    for name in ("depsgraph_update_post", "blend_import_post"):
+        calls = getattr(bpy.app.handlers, name)
+        for each in [each for each in calls if each.__module__.startswith(NAME)]:
+            calls.remove(each)
+    bpy.app.timers.unregister(addon("scene.follow").follow)
+    addon_utils.disable(NAME)
+    assert addon_utils.enable(NAME) is not None
+    add("SUN", "Sun")
+    assert slots(addon) == ["Sun"]
 
 
 def test_an_error_is_told_once_and_does_not_end_the_timer(

@@ -159,6 +159,19 @@ def test_same_version_with_another_shader_is_updated(addon: Addon) -> None:
     assert addon("paint.material").paint_of(painted) == addon("paint.presets").load("gold")
 
 
+def test_a_paint_that_has_lost_its_light_slots_gets_new_ones(addon: Addon) -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    assert bpy.ops.material.metallic_paint_new(preset="gold") == {"FINISHED"}
+    material = addon("paint.material")
+    paint = material.paint_of(bpy.context.object.active_material)
+    bpy.data.node_groups.remove(addon("scene.lights").node_group())
+    assert addon("paint.migration").has_outdated()
+    update()
+    assert not addon("paint.migration").has_outdated()
+    assert material.paint_of(bpy.context.object.active_material) == paint
+    assert addon("scene.lights").is_painted(bpy.context.object)
+
+
 def test_linked_paints_stay_and_are_told_of(
     addon: Addon, old: bpy.types.Material, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -388,7 +388,9 @@ def share(arrived: Collection[bpy.types.ShaderNodeTree]) -> None:
 
 
 def _marks(group: bpy.types.NodeTree) -> tuple[object, object]:
-    return group.get(_MARK), group.get(_SOURCE_MARK)
+    """A group that has lost its light slots is no longer of its shader: a new one heals it."""
+    has_slots = lights.holds_slots(group)
+    return group.get(_MARK), group.get(_SOURCE_MARK) if has_slots else None
 
 
 def _own_group(

@@ -140,8 +140,16 @@ def _instance_name(slot: int) -> str:
 
 
 def all_of_file() -> list[bpy.types.NodeTree]:
-    """The file's own: none before the first fit, several after an append."""
-    return [tree for tree in bpy.data.node_groups if _MARK in tree and tree.library is None]
+    """The file's own: none before the first fit, several after an append.
+
+    Whoever overrides an asset with a lamp of its own overrides its file's too: Blender keeps
+    nothing that is written there.
+    """
+    return [
+        tree
+        for tree in bpy.data.node_groups
+        if _MARK in tree and tree.library is None and tree.override_library is None
+    ]
 
 
 def only() -> bpy.types.NodeTree:
@@ -249,8 +257,9 @@ def values() -> list[tuple[int, Vector, float, Vector]]:
         for slot in range(1, SLOTS + 1):
             if (what := tree.get(_facing_name(slot))) is not None:
                 *facing, kind = np.array(what, np.float32).tolist()
-                *vector, size = np.array(tree[_name(slot, round(kind))], np.float32).tolist()
-                found.append((round(kind), Vector(vector), size, Vector(facing)))
+                if (where := tree.get(_name(slot, round(kind)))) is not None:
+                    *vector, size = np.array(where, np.float32).tolist()
+                    found.append((round(kind), Vector(vector), size, Vector(facing)))
     return found
 
 

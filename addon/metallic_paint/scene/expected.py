@@ -6,10 +6,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import bpy
 import numpy as np
 
 from ..native import core_lights, core_missing
 from ..paint import Paint, core_paint
+from . import sky
 from .lights import LEAST_SQUARED_DISTANCE, irradiance
 from .placed import Placed
 from .sight import Seen
@@ -28,14 +30,17 @@ class Expected:
     brightness: float | None  # radiance of a pixel that sparkles, W/m²/sr
 
 
-def expect(paint: Paint, seen: Seen, lights: tuple[Placed, ...]) -> Expected:
+def expect(
+    scene: bpy.types.Scene, paint: Paint, seen: Seen, lights: tuple[Placed, ...]
+) -> Expected:
+    """The lights are those with a slot; the world's sun may have one after them."""
     per_m2 = 1e6 * sum(flakes.flakes_per_mm2 for flakes in paint.species)
     flakes = float(np.median(seen.footprint)) * per_m2
     if core_missing():
         return Expected(flakes, None, None, None, None)
     import metallic_paint_core as core
 
-    slots = core_lights()[: len(lights)]  # without the sun of a world
+    slots = core_lights()
     if not slots:
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
     given: dict[str, Any] = {
@@ -47,7 +52,9 @@ def expect(paint: Paint, seen: Seen, lights: tuple[Placed, ...]) -> Expected:
         if each.flakes_per_mm2 > 0:
             found = core.evaluate(core_paint(paint), slots, species=species, **given)
             counts += found["mean_count"]
-    counts *= [not light.lamp.hide_render for light in lights]  # as it may be at this frame
+    for slot, light in enumerate(lights):
+        if light.lamp.hide_render:  # as it may be at this frame
+            counts[:, slot] = 0
     total = counts.sum(axis=1)
     if not counts.any():
         return Expected(flakes, 0.0, 0.0, 0.0, 0.0)
@@ -55,7 +62,11 @@ def expect(paint: Paint, seen: Seen, lights: tuple[Placed, ...]) -> Expected:
     mean, variance = (found[key].mean(axis=-1) for key in ("mean_radiance", "variance"))
     one = np.where(counts > 1e-6, mean / np.maximum(counts, 1e-6), 0)
     one = mean + paint.sparkle_contrast * (one - mean)
-    bright = np.maximum(one, mean + 2 * np.sqrt(variance)) * _irradiances(lights, seen)
+    irradiances = _irradiances(lights, seen)
+    if len(slots) > len(lights):
+        of_sun = np.full((len(one), 1), _irradiance_of_sun(scene))
+        irradiances = np.concatenate([irradiances, of_sun], axis=1)
+    bright = np.maximum(one, mean + 2 * np.sqrt(variance)) * irradiances
     return Expected(
         flakes=flakes,
         sparkles=float(np.median(total)),
@@ -76,4 +87,13 @@ def _irradiances(lights: tuple[Placed, ...], seen: Seen) -> np.ndarray:
             facing = away @ -np.array(light.matrix.col[2].xyz.normalized())
             column *= np.maximum(facing, 0) / np.sqrt(squared)
         columns.append(column)
-    return np.stack(columns, axis=1)
+    return np.stack(columns, axis=1) if columns else np.zeros((len(seen.position), 0))
+
+
+def _irradiance_of_sun(scene: bpy.types.Scene) -> float:
+    """Of the world's; 0 where it is not known."""
+    sun = sky.find(scene)
+    if sun is None:
+        return 0.0
+    strength = sky.shown(scene.world)[0].inputs["Strength"]
+    return 0.0 if strength.is_linked else sun.irradiance * strength.default_value

@@ -37,6 +37,7 @@ class _State:
     changed: bool = False  # since the last look
     changed_at: float = 0.0  # s
     repaint: bool = False  # a paint may have changed since the Solid view last followed
+    shown: frozenset[str] = frozenset()  # the scenes in windows, at the last look
     trouble: str = ""  # why the last fit failed; empty after one that did not
 
 
@@ -49,12 +50,22 @@ def follow() -> float:
     Blender ends a timer for good whose function raises. So an error is told once, with its
     traceback in the console, and the next change is followed again.
     """
-    if _state.changed and time.monotonic() - _state.changed_at >= REST_SECONDS:
-        try:
+    try:
+        _look_for_another_scene()
+        if _state.changed and time.monotonic() - _state.changed_at >= REST_SECONDS:
             _fit_if_changed()
-        except Exception as error:
-            _tell(error)
+    except Exception as error:
+        _tell(error)
     return REST_SECONDS
+
+
+def _look_for_another_scene() -> None:
+    """In a window: no handler tells of it."""
+    windows = bpy.context.window_manager.windows
+    shown = frozenset(window.scene.name_full for window in windows)
+    if shown != _state.shown:
+        _state.shown = shown
+        _changed()
 
 
 def trouble() -> str:
@@ -116,9 +127,11 @@ def _changed(*_: object) -> None:
 
 
 @persistent
-def _frame_changed(_: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Also while Cycles renders an animation: Blender then evaluates what is renewed once more."""
     lights.renew(depsgraph)
+    if needs.world_is_animated(scene):
+        _changed()  # no driver follows its sun
 
 
 @persistent
@@ -174,12 +187,17 @@ _HANDLERS = {
 
 
 def register() -> None:
+    _state.changed = True  # a file may be open
     for name, handler in _HANDLERS.items():
         getattr(bpy.app.handlers, name).append(handler)
     bpy.app.timers.register(follow, first_interval=REST_SECONDS, persistent=True)
 
 
 def unregister() -> None:
-    bpy.app.timers.unregister(follow)
+    """Other scripts may have cleared the lists."""
+    if bpy.app.timers.is_registered(follow):
+        bpy.app.timers.unregister(follow)
     for name, handler in _HANDLERS.items():
-        getattr(bpy.app.handlers, name).remove(handler)
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)

@@ -76,4 +76,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    bpy.app.handlers.blend_import_post.remove(_imported)
+    if _imported in bpy.app.handlers.blend_import_post:
+        bpy.app.handlers.blend_import_post.remove(_imported)

@@ -194,7 +194,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     if in_sky:
         kinds.append(carrier.SKY)
         numbers.append((in_sky, (0.0, 0.0, 0.0)))
-    if not is_current(group) or _kinds(group) != kinds:
+    if not is_current(group) or kinds_of(group) != kinds:
         _build(group, kinds, numbers)
     _set(group, METERS_PER_UNIT, scene.unit_settings.scale_length)
     _tell_scenes(group)
@@ -409,7 +409,8 @@ def _own(group: bpy.types.ShaderNodeTree, name: str) -> bpy.types.NodeSocket:
     return next(each for each in node.inputs if each.identifier == "A_Float")
 
 
-def _kinds(group: bpy.types.ShaderNodeTree) -> list[int]:
+def kinds_of(group: bpy.types.ShaderNodeTree) -> list[int]:
+    """Of the slots in use, 1 first."""
     sockets = (_own(group, slot_names(slot)[0]) for slot in range(1, SLOTS + 1))
     return [kind for socket in sockets if (kind := round(socket.default_value))]
 

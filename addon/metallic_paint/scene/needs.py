@@ -129,6 +129,7 @@ def is_fitted(scene: bpy.types.Scene) -> bool:
         not live.are_apart()
         or carrier.has_lost_lamp()
         or not carrier.is_attached(lights.showing_paint())
+        or lights.kinds_of(groups[0]) != [kind for kind, *_ in carrier.values()]
     ):
         return False
     return groups[0].get(_FITTED_TO) == _fingerprint(scene)
@@ -260,13 +261,19 @@ def _draws_every_frame() -> bool:
 # --- the world -------------------------------------------------------------------------------
 
 
+def world_is_animated(scene: bpy.types.Scene) -> bool:
+    world = scene.world
+    tree = world.node_tree if world else None
+    return any(each is not None and each.animation_data is not None for each in (world, tree))
+
+
 def _world_may_shine(scene: bpy.types.Scene) -> bool:
     world = scene.world
     if world is None:
         return False
-    tree = world.node_tree
-    if world.animation_data or (tree and tree.animation_data):
+    if world_is_animated(scene):
         return True
+    tree = world.node_tree
     # Blender 5 always uses the nodes, and warns those who ask.
     if tree is None or (bpy.app.version < (5, 0) and not world.use_nodes):
         return any(world.color)

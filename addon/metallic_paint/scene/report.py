@@ -245,7 +245,7 @@ def _about(
         return [*lines, (INFO, f"{label}: {error}")], 0.0
     if seen is None:
         return [*lines, (INFO, f"{label}: the camera does not see it.")], 0.0
-    expected = expect(material.paint_of(node), seen, in_slots.placed)
+    expected = expect(scene, material.paint_of(node), seen, in_slots.placed)
     lines += _judge(label, node, expected)
     if _sparkles(node):
         missing = reach.lacking(scene, surface.layer, thing, seen, in_slots)

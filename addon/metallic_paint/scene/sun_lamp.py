@@ -17,7 +17,7 @@ import bpy
 from mathutils import Vector
 
 from ..paint import animation
-from . import carrier, sky, wiring
+from . import carrier, placed, sky, wiring
 
 NAME = "Metallic Paint Sun"
 _MARK = sky.MARK  # of the lamp: whose sun; of the group in the world: that it is ours
@@ -72,7 +72,8 @@ def is_current(scene: bpy.types.Scene) -> bool:
         tree is not None
         and texture.image in {getattr(each, "image", None) for each in tree.nodes}
         and turned < _STILL
-        and not lamp.hide_render
+        and _renders(lamp, scene)
+        and lamp.data.energy > 0
         and _visibility(world) == tuple(getattr(lamp, name) for name in _VISIBLE)
     )
 
@@ -95,7 +96,8 @@ def make(scene: bpy.types.Scene) -> bpy.types.Object:
         made = bpy.data.lights.new(f"Sun of {world.name}", "SUN")
         lamp = bpy.data.objects.new(made.name, made)
         lamp[_MARK] = world
-    if lamp.name not in scene.objects:
+    lamp.hide_render = False
+    if not _renders(lamp, scene):
         scene.collection.objects.link(lamp)
     data: Any = lamp.data
     data.angle = 2 * sky.REACH
@@ -105,7 +107,6 @@ def make(scene: bpy.types.Scene) -> bpy.types.Object:
     lamp.rotation_mode = "XYZ"
     lamp.rotation_euler = Vector(sun.direction).to_track_quat("Z", "Y").to_euler()
     lamp.lock_rotation = (True, True, True)
-    lamp.hide_render = False
     for name, value in zip(_VISIBLE, _visibility(world), strict=True):
         setattr(lamp, name, value)
     data.cycles.max_bounces = world.cycles.max_bounces
@@ -133,6 +134,10 @@ def remove(scene: bpy.types.Scene, others: Collection[bpy.types.Scene]) -> None:
         bpy.data.objects.remove(lamp)
         if not data.users:
             bpy.data.lights.remove(data)
+
+
+def _renders(lamp: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    return all(lamp in placed.rendered(layer) for layer in scene.view_layers if layer.use)
 
 
 def _lamps(scene: bpy.types.Scene) -> list[bpy.types.Object]:
