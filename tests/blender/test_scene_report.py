@@ -239,6 +239,29 @@ def test_paint_on_instances_alone_is_said() -> None:
     assert "No object that renders is painted" not in bad(scene)
 
 
+def set_by_nodes(thing: bpy.types.Object) -> None:
+    """Geometry nodes give the thing its material, which its mesh has not."""
+    tree = bpy.data.node_groups.new("Paint", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    inside, out = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    node = tree.nodes.new("GeometryNodeSetMaterial")
+    node.inputs["Material"].default_value = thing.active_material
+    tree.links.new(inside.outputs[0], node.inputs["Geometry"])
+    tree.links.new(node.outputs[0], out.inputs[0])
+    thing.modifiers.new("Paint", "NODES").node_group = tree
+    thing.data.materials.clear()
+
+
+def test_paint_that_geometry_nodes_set_is_foretold() -> None:
+    scene = build()
+    set_by_nodes(scene.objects["Ball"])
+    assert lights.uses_paint(scene)
+    text = said(scene)
+    assert "flakes a pixel" in text
+    assert "painted" not in text
+
+
 def test_several_scenes_with_paints_are_warned_of() -> None:
     scene = build()
     other = bpy.data.scenes.new("Other")

@@ -501,20 +501,21 @@ def is_painted(thing: bpy.types.Object) -> bool:
 
 def uses_paint(scene: bpy.types.Scene) -> bool:
     """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
-    paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
+    painted = showing_paint(editable=False)
     collections = [scene.collection]
     for collection in collections:
         things = collection.all_objects
-        if any(slot.material in paints for thing in things for slot in thing.material_slots):
+        if not painted.isdisjoint(things):
             return True
         shown = dict.fromkeys(thing.instance_collection for thing in things)
         collections += [each for each in shown if each is not None and each not in collections]
     return False
 
 
-def showing_paint() -> set[bpy.types.Object]:
-    """The file's objects that show a paint, and can be changed: by their material slots, or by
-    geometry nodes. Where an empty shows a linked collection, its objects cannot, and the empty is.
+def showing_paint(*, editable: bool = True) -> set[bpy.types.Object]:
+    """The file's objects that show a paint, by their material slots or by geometry nodes, and can
+    be changed; without `editable`, all. Where an empty shows a linked collection, its objects
+    cannot, and the empty is.
     """
     paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
     found: set[bpy.types.Object] = set()
@@ -531,7 +532,7 @@ def showing_paint() -> set[bpy.types.Object]:
             if hasattr(each, "materials") or isinstance(each, bpy.types.GeometryNodeTree)
         }
     found |= {each for each in bpy.data.objects if _shows_linked(each, found)}
-    return {each for each in found if each.is_editable}
+    return {each for each in found if each.is_editable or not editable}
 
 
 def _shows_linked(thing: bpy.types.Object, painted: set[bpy.types.Object]) -> bool:

@@ -182,8 +182,8 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     instances = placed.instances_in(layers)
     seen += [(each.name, each.number, each.followed) for each in instances]
     if len(lamps) + len(instances) > lights.SLOTS:  # the brightest have the slots
-        painted = filter(lights.is_painted, shapes)
-        seen += [thing.matrix_world for thing in (*lamps, *painted)]
+        painted = lights.showing_paint(editable=False)
+        seen += [each.matrix_world for each in (*lamps, *(s for s in shapes if s in painted))]
         seen += [each.matrix for each in instances]
         seen += [_brightness(lamp) for lamp in (*lamps, *(each.lamp for each in instances))]
     return hashlib.sha256(repr(seen).encode()).hexdigest()
@@ -229,7 +229,7 @@ def _other_light(
     scene: bpy.types.Scene, report: lights.Report, things: list[bpy.types.Object]
 ) -> Iterator[str]:
     shapes = _shapes(things)
-    if not any(map(lights.is_painted, shapes)):
+    if lights.showing_paint(editable=False).isdisjoint(shapes):
         yield "whatever there is: no object is painted yet"
     if _world_may_shine(scene) or any(map(_world_override, lights.used_layers(scene))):
         yield "the world"

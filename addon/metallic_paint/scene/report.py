@@ -52,9 +52,14 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         for name in dict.fromkeys(each.name for each in fitted.lights.placed if not each.followed)
     ]
     layers = lights.used_layers(scene)
+    for layer in layers:
+        layer.update()  # fit may have had nothing to do
     lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
     shown = {thing: layer for layer in layers for thing in placed.rendered(layer)}
-    painted = [thing for thing in shown if lights.is_painted(thing)]
+    painted = [
+        thing for thing, layer in shown.items()
+        if lights.is_painted(thing.evaluated_get(layer.depsgraph))
+    ]  # fmt: skip
     if not painted:
         multiplied = (thing for layer in layers for thing in placed.instanced(layer))
         if any(map(lights.is_painted, multiplied)):
@@ -198,8 +203,9 @@ def _left_behind(
 
 
 def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:
-    slots = dict.fromkeys(slot.material for slot in thing.material_slots if slot.material)
-    painted = [each for each in slots if material.has_paint(each)]
+    slots = thing.evaluated_get(layer.depsgraph).material_slots  # geometry nodes may add some
+    materials = dict.fromkeys(slot.material.original for slot in slots if slot.material)
+    painted = [each for each in materials if material.has_paint(each)]
     return [
         _Surface(
             thing.name if len(painted) == 1 else f"{thing.name}, {each.name}",
