@@ -180,7 +180,9 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         for each in materials
     ]
     instances = placed.instances_in(layers)
-    seen += [(each.name, each.number, each.followed) for each in instances]
+    seen += [
+        (each.name, each.number, each.followed, lights.why_not(each.lamp)) for each in instances
+    ]
     if len(lamps) + len(instances) > lights.SLOTS:  # the brightest have the slots
         painted = lights.showing_paint(editable=False)
         seen += [each.matrix_world for each in (*lamps, *(s for s in shapes if s in painted))]
