@@ -205,6 +205,8 @@ def why_not(light: bpy.types.Object) -> str:
     """Why a light can have no slot, whatever else there is; empty where it can."""
     if light.data.type not in carrier.KINDS:
         return f"lights of type {light.data.type} are not known"
+    if not light.visible_glossy:
+        return "its Ray Visibility has Glossy off, so no flake mirrors it"
     if isinstance(light.data, bpy.types.AreaLight):
         if light.data.cycles.is_portal:
             return "a portal is a window for the world's light"
