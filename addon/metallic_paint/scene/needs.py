@@ -93,7 +93,8 @@ def fit(scene: bpy.types.Scene) -> Needs:
         other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
         of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(things)
-        lights.show_other_light(bool(needs.other_light), of_lamps or _world_may_be_uneven(scene))
+        uneven = of_lamps or any(map(_world_may_be_uneven, sky.worlds(scene)))
+        lights.show_other_light(bool(needs.other_light), uneven)
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -154,11 +155,12 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     layers = lights.used_layers(scene)
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
-    overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
+    worlds = sky.worlds(scene)
+    overrides = [(layer.name, layer.material_override) for layer in layers]
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
-        _world_may_shine(scene), _world_may_be_uneven(scene), _draws_every_frame(),
-        lights.rays_meet_all(),
+        *(any(map(each, worlds)) for each in (_world_may_shine, _world_may_be_uneven)),
+        _draws_every_frame(), lights.rays_meet_all(),
     ]  # fmt: skip
     seen += [
         (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
@@ -223,17 +225,13 @@ def _bounces(scene: bpy.types.Scene) -> int:
     return min(scene.cycles.max_bounces, scene.cycles.glossy_bounces)
 
 
-def _world_override(layer: bpy.types.ViewLayer) -> bpy.types.World | None:
-    return getattr(layer, "world_override", None)  # of Blender 5
-
-
 def _other_light(
     scene: bpy.types.Scene, report: lights.Report, things: list[bpy.types.Object]
 ) -> Iterator[str]:
     shapes = _shapes(things)
     if lights.showing_paint(editable=False).isdisjoint(shapes):
         yield "whatever there is: no object is painted yet"
-    if _world_may_shine(scene) or any(map(_world_override, lights.used_layers(scene))):
+    if any(map(_world_may_shine, sky.worlds(scene))):
         yield "the world"
     lamps = _lamps(things)
     if report.without or any(lamp not in report.slots for lamp in lamps):
@@ -262,8 +260,7 @@ def _draws_every_frame() -> bool:
 # --- the world -------------------------------------------------------------------------------
 
 
-def _world_may_shine(scene: bpy.types.Scene) -> bool:
-    world = scene.world
+def _world_may_shine(world: bpy.types.World | None) -> bool:
     if world is None:
         return False
     tree = world.node_tree
@@ -281,11 +278,10 @@ def _world_may_shine(scene: bpy.types.Scene) -> bool:
     return any(_may_shine(link.from_node, "Color", "Strength") for link in links)
 
 
-def _world_may_be_uneven(scene: bpy.types.Scene) -> bool:
+def _world_may_be_uneven(world: bpy.types.World | None) -> bool:
     """Whether it shines more from one side than from another, as a room or a sky does."""
-    world = scene.world
     tree = world.node_tree if world else None
-    if tree is None or not _world_may_shine(scene):
+    if tree is None or not _world_may_shine(world):
         return False
     out = tree.get_output_node("CYCLES")
     links = out.inputs["Surface"].links if out else ()
