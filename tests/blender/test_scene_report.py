@@ -20,7 +20,7 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import lights, needs, rest_position, sight
 from metallic_paint.scene.report import report
 from recording import drawn
-from scenery import add_lamp, link_paint, nest_paint, show_as_instance
+from scenery import add_lamp, link_namesake, link_paint, nest_paint, show_as_instance
 from verification import scenes
 
 SIZE = 64
@@ -549,6 +549,17 @@ def test_a_lamp_linked_away_from_the_paint_is_named() -> None:
     assert "Light linking keeps Sun from Ball" in bad(scene)
     others.objects.unlink(ball)
     assert bad(scene) == ""
+
+
+def test_a_linked_namesake_is_another_object(tmp_path: Path) -> None:
+    scene = build()
+    namesake = link_namesake(scene.objects["Ball"], tmp_path / "theirs.blend")
+    scene.collection.objects.unlink(namesake)
+    inner, lit = bpy.data.collections.new("Inner"), bpy.data.collections.new("Lit by the sun")
+    inner.objects.link(namesake)
+    lit.children.link(inner)
+    scene.objects["Sun"].light_linking.receiver_collection = lit
+    assert "Light linking keeps Sun from Ball" in bad(scene)
 
 
 def test_what_is_linked_away_from_a_shadow_is_no_roof() -> None:

@@ -180,7 +180,7 @@ def _holds(collection: bpy.types.Collection | None, thing: bpy.types.Object) -> 
     if collection is None:
         return True
     entries = [
-        (child.light_linking.link_state, thing.name in held.all_objects)
+        (child.light_linking.link_state, thing in [*held.all_objects])
         for child, held in zip(collection.collection_children, collection.children, strict=True)
     ] + [
         (entry.light_linking.link_state, held == thing)
