@@ -499,6 +499,42 @@ def test_a_roof_before_the_sun_is_named() -> None:
     assert bad(scene) == ""
 
 
+def put_into_collection(thing: bpy.types.Object) -> bpy.types.Collection:
+    collection = bpy.data.collections.new("Set")
+    bpy.context.scene.collection.children.link(collection)
+    bpy.context.scene.collection.objects.unlink(thing)
+    collection.objects.link(thing)
+    return collection
+
+
+def test_what_stands_in_a_collection_that_is_not_rendered_is_no_wall() -> None:
+    scene = build()
+    roof = add_roof()
+    put_into_collection(roof).hide_render = True
+    assert bad(scene) == ""
+    roof.location, roof.rotation_euler = (0, -0.2, 0), (math.pi / 2, 0, 0)
+    assert "flakes a pixel" in said(scene, "INFO")
+
+
+def test_a_roof_that_the_viewport_alone_hides_is_told_of() -> None:
+    scene = build()
+    add_roof()
+    bpy.context.object.hide_viewport = True
+    hidden = "Hidden in the viewport, but rendered: Roof. What these hide or shade is not foretold."
+    assert hidden in said(scene, "INFO")
+    scene.objects["Roof"].hide_render = True
+    assert "Hidden in the viewport" not in said(scene)
+
+
+def test_a_clear_pane_before_the_camera_is_no_wall() -> None:
+    scene = build()
+    pane = add_roof((0, -0.2, 0))
+    pane.rotation_euler.x = math.pi / 2
+    assert "the camera does not see it" in said(scene, "INFO")
+    pane.data.materials.append(clear_material())
+    assert "flakes a pixel" in said(scene, "INFO")
+
+
 def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])
@@ -511,14 +547,18 @@ def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     assert shadow not in bad(scene)
 
 
-def test_a_roof_that_lets_light_pass_is_not() -> None:
-    scene = build()
-    roof = add_roof()
+def clear_material() -> bpy.types.Material:
     clear = bpy.data.materials.new("Clear")
     if clear.node_tree is None:
         clear.use_nodes = True
     clear.node_tree.nodes.new("ShaderNodeBsdfPrincipled").inputs["Alpha"].default_value = 0.5
-    roof.data.materials.append(clear)
+    return clear
+
+
+def test_a_roof_that_lets_light_pass_is_not() -> None:
+    scene = build()
+    roof = add_roof()
+    roof.data.materials.append(clear_material())
     assert bad(scene) == ""
 
 

@@ -53,6 +53,11 @@ def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.
                 yield thing
 
 
+def unrendered(layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:
+    """The objects of a view layer that a render does not show."""
+    return {*layer.objects}.difference(rendered(layer))
+
+
 def instanced(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
     """The objects that particles, geometry nodes or collection instances multiply, as often."""
     for instance in layer.depsgraph.object_instances:

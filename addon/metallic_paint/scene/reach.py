@@ -13,11 +13,10 @@ import numpy as np
 from mathutils import Vector
 
 from . import lights, sky
-from .sight import Seen, past, surfaces_on
+from .sight import Room, Seen, lets_light_pass, past
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
 _HIDDEN = 0.99  # of the places: so little sparkles that one takes it for none
-_CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
 
 
 def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
@@ -48,6 +47,7 @@ def lacking(
     found: lights.Report,
 ) -> Iterator[str]:
     """Sentences about the lights that do not reach what the camera sees of a painted object."""
+    room = Room.of(scene, layer)
     places = np.linspace(0, len(seen.position) - 1, min(_RAYS, len(seen.position))).astype(int)
     for light in _lights(scene, found):
         if light.lamp is not None and not _is_linked(light.lamp, thing):
@@ -67,7 +67,7 @@ def lacking(
             if light.misses(towards):
                 outside += 1
                 continue
-            blocker = _first_shadow(scene, layer, light, position, towards, distance)
+            blocker = _first_shadow(room, light, position, towards, distance)
             if blocker is not None:
                 blockers[blocker] += 1
         if facing == 0:
@@ -117,8 +117,7 @@ def _lights(scene: bpy.types.Scene, found: lights.Report) -> Iterator[_Light]:
 
 
 def _first_shadow(
-    scene: bpy.types.Scene,
-    layer: bpy.types.ViewLayer,
+    room: Room,
     light: _Light,
     origin: Vector,
     towards: Vector,
@@ -129,36 +128,15 @@ def _first_shadow(
     if lamp is not None and not lamp.data.use_shadow:
         return None
     start = past(origin, towards)
-    for found, polygon in surfaces_on(scene, layer, start, towards, distance):
+    for found, polygon in room.surfaces_on(start, towards, distance):
         thing = found.original
         if (
-            not thing.hide_render
-            and thing.visible_shadow
+            thing.visible_shadow
             and (lamp is None or _blocks(lamp, thing))
-            and not _lets_light_pass(found, polygon)
+            and not lets_light_pass(found, polygon)
         ):
             return thing
     return None
-
-
-def _lets_light_pass(thing: bpy.types.Object, polygon: int) -> bool:
-    """Whether the material there may: what its nodes make of it is not known."""
-    slots = thing.material_slots
-    if not slots or not isinstance(thing.data, bpy.types.Mesh):
-        return False
-    polygons = thing.data.polygons
-    index = polygons[polygon].material_index if 0 <= polygon < len(polygons) else 0
-    found = slots[min(index, len(slots) - 1)].material
-    if found is None or found.node_tree is None:
-        return False
-    for node in found.node_tree.nodes:
-        if node.type in _CLEAR:
-            return True
-        if node.type == "BSDF_PRINCIPLED":
-            alpha = node.inputs["Alpha"]
-            if alpha.is_linked or alpha.default_value < 1:
-                return True
-    return False
 
 
 # --- light linking -----------------------------------------------------------------------------

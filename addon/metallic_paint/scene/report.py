@@ -18,7 +18,7 @@ from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, live, material
 from . import lights, needs, placed, reach, rest_position
 from .expected import Expected, expect
-from .sight import Camera, Effort, SightError, effort_for, look
+from .sight import POLYGONAL, Camera, Effort, SightError, effort_for, look
 
 INFO: Final = "INFO"
 WARNING: Final = "WARNING"
@@ -72,6 +72,16 @@ def report(scene: bpy.types.Scene) -> list[Line]:
             "without this add-on, the scene that was fitted or saved last."
         )
         lines.append((WARNING, text))
+    unseen = [
+        thing.name
+        for thing, layer in shown.items()
+        if thing.type in POLYGONAL and not thing.visible_get(view_layer=layer)
+    ]
+    if unseen:
+        text = (
+            f"Hidden in the viewport, but rendered: {', '.join(unseen)}. What these hide or shade"
+        )
+        lines.append((INFO, f"{text} is not foretold."))
     surfaces = [each for thing in painted for each in _surfaces(thing, shown[thing])]
     unknown = {each: each.unknown() for each in surfaces}
     known = [each for each, line in unknown.items() if line is None]
