@@ -480,6 +480,23 @@ def test_a_lamp_that_gives_no_light_is_named() -> None:
     assert "Sun gives no light: its Color is black." in bad(scene)
 
 
+@pytest.mark.every_blender
+def test_a_lamp_whose_nodes_give_no_light_is_named() -> None:
+    scene = build()
+    data = scene.objects["Sun"].data
+    if data.node_tree is None:
+        data.use_nodes = True  # Blender 4.5
+    tree = data.node_tree
+    tree.nodes.clear()
+    dark = "Sun gives no light: its nodes give none."
+    assert dark in bad(scene)
+    emission, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(emission.outputs[0], out.inputs[0])
+    assert bad(scene) == ""
+    emission.inputs["Strength"].default_value = 0
+    assert dark in bad(scene)
+
+
 def add_roof(location: tuple[float, float, float] = (0, 0, 0.1)) -> bpy.types.Object:
     """Two metres wide, above the ball: out of the camera's sight."""
     bpy.ops.mesh.primitive_plane_add(size=2, location=location)

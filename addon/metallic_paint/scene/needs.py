@@ -275,7 +275,7 @@ def _world_may_shine(world: bpy.types.World | None) -> bool:
     if out.inputs["Volume"].is_linked:
         return True
     links = out.inputs["Surface"].links
-    return any(_may_shine(link.from_node, "Color", "Strength") for link in links)
+    return any(may_shine(link.from_node, "Color", "Strength") for link in links)
 
 
 def _world_may_be_uneven(world: bpy.types.World | None) -> bool:
@@ -292,7 +292,7 @@ def _world_may_be_uneven(world: bpy.types.World | None) -> bool:
     )
 
 
-def _may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
+def may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
     """Of an emission, background or principled node: unless colour or strength are surely zero."""
     if node.type not in ("BACKGROUND", "EMISSION", "BSDF_PRINCIPLED") or node.mute:
         return True
@@ -340,8 +340,8 @@ def _node_may_emit(node: bpy.types.Node) -> bool:
     if node.type == "GROUP" and material.is_paint(node):
         return False
     if node.type == "BSDF_PRINCIPLED":
-        return _may_shine(node, "Emission Color", "Emission Strength")
-    return _may_shine(node, "Color", "Strength") if node.type == "EMISSION" else True
+        return may_shine(node, "Emission Color", "Emission Strength")
+    return may_shine(node, "Color", "Strength") if node.type == "EMISSION" else True
 
 
 def _may_hold_a_volume(thing: bpy.types.Object) -> bool:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
-from . import lights, sky
+from . import lights, needs, sky
 from .sight import Room, Seen, lets_light_pass, past
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
@@ -27,6 +27,20 @@ def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
             yield f"{lamp.name} gives no light: its Power or Strength is {data.energy:g}."
         elif max(data.color) <= 0:
             yield f"{lamp.name} gives no light: its Color is black."
+        elif _is_dark(data):
+            yield f"{lamp.name} gives no light: its nodes give none."
+
+
+def _is_dark(data: bpy.types.Light) -> bool:
+    """Whether its nodes surely give no light."""
+    tree = data.node_tree
+    if tree is None or (bpy.app.version < (5, 0) and not data.use_nodes):
+        return False
+    out = tree.get_output_node("CYCLES")
+    node = sky.source(out.inputs["Surface"]) if out else None
+    if node is None:
+        return True
+    return node.type == "EMISSION" and not needs.may_shine(node, "Color", "Strength")
 
 
 def overridden(layer: bpy.types.ViewLayer) -> str | None:
