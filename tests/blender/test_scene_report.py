@@ -639,3 +639,20 @@ def test_a_spot_that_shines_past_is_named() -> None:
     spot.rotation_euler = (math.atan2(0.2, 0.3), 0, 0)
     bpy.context.view_layer.update()
     assert "Spot shines past" not in bad(scene)
+
+
+@pytest.mark.every_blender
+@pytest.mark.parametrize("scale", [(6, 6, 1), (1, 1, 3), (6, 6, 6), (-1, 1, 1)])
+def test_a_spots_cone_is_scaled_with_it_as_in_the_picture(scale: tuple[float, ...]) -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    spot = add_lamp("SPOT", "Spot", energy=50, location=(0, -3, 1.2), scale=scale)
+    spot.data.spot_size, spot.data.spot_blend = math.radians(40), 0
+    aim = 10 if scale[2] == 3 else 30  # degrees off the ball
+    spot.rotation_euler.x = math.atan2(3, 1.2) - math.radians(aim)
+    warned = "its cone ends" in bad(scene)
+    verify.make_noiseless(scene)
+    assert warned == (verify.render(scene).max() == 0)
+    for i in range(lights.SLOTS):
+        add_lamp("POINT", f"Point {i}", energy=1e-6, location=(0, -3, 1.2))
+    assert (spot in needs.fit(scene).lights.left_out) == warned

@@ -593,10 +593,14 @@ def _faces(matrix: Matrix, box: _Box) -> float:
 
 
 def _spot_reaches(light: bpy.types.SpotLight, matrix: Matrix, box: _Box) -> bool:
-    """Whether the spot's cone meets the sphere around the box (cone unscaled)."""
-    towards = box.center - matrix.translation
-    if towards.length <= box.radius:
+    """Whether the spot's cone meets the sphere around the box."""
+    local = _Box(matrix.inverted_safe() @ box.matrix, box.low, box.high)
+    distance = local.center.length
+    if distance <= local.radius:
         return True
-    axis = -matrix.col[2].xyz
-    margin = math.asin(box.radius / towards.length)
-    return axis.length > 0 and axis.angle(towards) - margin < light.spot_size / 2
+    return off_axis(matrix, box.center) - math.asin(local.radius / distance) < light.spot_size / 2
+
+
+def off_axis(matrix: Matrix, point: Vector) -> float:
+    """The angle at a spot between its axis and a point: Cycles scales the cone with the object."""
+    return Vector((0, 0, -1)).angle(matrix.inverted_safe() @ point, 0)

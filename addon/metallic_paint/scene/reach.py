@@ -78,7 +78,7 @@ def lacking(
             if towards.dot(normal) <= 0:
                 continue
             facing += 1
-            if light.misses(towards):
+            if light.misses(position):
                 outside += 1
                 continue
             blocker = _first_shadow(room, light, position, towards, distance)
@@ -103,31 +103,29 @@ class _Light:
     name: str
     lamp: bpy.types.Object | None  # None for a world's sun
     direction: Vector | None  # towards one that is far away
-    place: Vector
-    axis: Vector  # of a spot, away from it
-    cone: float  # its half-angle
+    matrix: Matrix
+    cone: float  # half-angle of a spot
 
     def way(self, position: Vector) -> tuple[Vector, float]:
         """Unit vector towards it, and how far it is."""
         if self.direction is not None:
             return self.direction, 1e9
-        off = self.place - position
+        off = self.matrix.translation - position
         return off.normalized(), off.length
 
-    def misses(self, towards: Vector) -> bool:
-        return -towards.dot(self.axis) < math.cos(self.cone)
+    def misses(self, position: Vector) -> bool:
+        return lights.off_axis(self.matrix, position) > self.cone
 
 
 def _lights(scene: bpy.types.Scene, found: lights.Report) -> Iterator[_Light]:
     """Those that have a slot."""
     for light in found.placed:
         lamp, matrix = light.lamp, light.matrix
-        axis = -matrix.col[2].xyz.normalized()
-        far = -axis if lamp.data.type == "SUN" else None
-        cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.pi
-        yield _Light(light.name, lamp, far, matrix.translation, axis, cone)
+        far = matrix.col[2].xyz.normalized() if lamp.data.type == "SUN" else None
+        cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.inf
+        yield _Light(light.name, lamp, far, matrix, cone)
     if found.sky and (sun := sky.find(scene)):
-        yield _Light(sun.name, None, Vector(sun.direction), Vector(), Vector((0, 0, 1)), math.pi)
+        yield _Light(sun.name, None, Vector(sun.direction), Matrix(), math.inf)
 
 
 def _first_shadow(
