@@ -224,6 +224,32 @@ def test_what_the_camera_does_not_see_is_said() -> None:
     assert "without a camera" in said(scene, "INFO")
 
 
+def test_what_the_camera_clips_is_not_seen() -> None:
+    scene = build()
+    scene.camera.data.clip_end = 0.3
+    assert "Ball: the camera does not see it" in said(scene, "INFO")
+
+
+def test_a_painted_object_that_renders_no_paint_is_named() -> None:
+    scene = build()
+    ball = scene.objects["Ball"]
+    for name in ("is_holdout", "is_shadow_catcher"):
+        setattr(ball, name, True)
+        assert "Ball is a Holdout or Shadow Catcher" in bad(scene)
+        setattr(ball, name, False)
+    assert bad(scene) == ""
+
+
+def test_the_lights_of_a_background_set_are_named() -> None:
+    scene = build()
+    stage = bpy.data.scenes.new("Stage")
+    scene.background_set = stage
+    assert bad(scene) == ""
+    stage.collection.objects.link(scene.objects["Sun"])
+    scene.collection.objects.unlink(scene.objects["Sun"])
+    assert "The lights of the Background Set Stage make no sparkles." in bad(scene)
+
+
 def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])

@@ -32,6 +32,7 @@ _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 _SCENE = "metallic_paint_scene"
 
 _WIDE = "area lights where they look wide"
+_SET = "the background set"
 
 _state = {"fitting": False}
 
@@ -92,7 +93,8 @@ def fit(scene: bpy.types.Scene) -> Needs:
         things = _things(lights.used_layers(scene))
         other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
-        of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(things)
+        of_lamps = bool(report.without) or not {_WIDE, _SET}.isdisjoint(other_light)
+        of_lamps = of_lamps or _any_emits(things)
         uneven = of_lamps or any(map(_world_may_be_uneven, sky.worlds(scene)))
         lights.show_other_light(bool(needs.other_light), uneven)
         carrier.follow_frame(_draws_every_frame())
@@ -160,7 +162,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
         *(any(map(each, worlds)) for each in (_world_may_shine, _world_may_be_uneven)),
-        _draws_every_frame(), lights.rays_meet_all(),
+        _draws_every_frame(), lights.rays_meet_all(), scene.background_set,
     ]  # fmt: skip
     seen += [
         (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
@@ -238,6 +240,8 @@ def _other_light(
         yield "lights without a slot"
     if any(lamp.data.type == "AREA" for lamp in report.slots):
         yield _WIDE
+    if scene.background_set:
+        yield _SET
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):

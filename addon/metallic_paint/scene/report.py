@@ -44,6 +44,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append(
             (WARNING, "Nothing sparkles: add a sun, spot, point or area light that renders.")
         )
+    lines += _lamps_of_sets(scene)
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
     lines += [(WARNING, text) for text in reach.dark(fitted.lights.slots)]
@@ -121,6 +122,15 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
             and material.gpu(scene) in ("NONE", "OPTIX")
         )
         yield WARNING if shows else ERROR, missing
+
+
+def _lamps_of_sets(scene: bpy.types.Scene) -> Iterator[Line]:
+    behind = scene.background_set
+    while behind:
+        shown = (each for layer in lights.used_layers(behind) for each in placed.rendered(layer))
+        if any(each.type == "LIGHT" for each in shown):
+            yield WARNING, f"The lights of the Background Set {behind.name} make no sparkles."
+        behind = behind.background_set
 
 
 def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
@@ -249,6 +259,11 @@ def _about(
     """Lines about a painted object, and how bright a pixel of it may sparkle."""
     label, thing, node = surface.label, surface.thing, surface.node
     lines: list[Line] = []
+    if thing.is_shadow_catcher or thing.holdout_get(view_layer=surface.layer):
+        text = (
+            f"{label} is a Holdout or Shadow Catcher (Object > Visibility): no paint is rendered."
+        )
+        return [(WARNING, text)], 0.0
     unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
     size = max(thing.dimensions) * unit
     if not _SMALLEST <= size <= _LARGEST:

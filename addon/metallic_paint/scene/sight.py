@@ -74,6 +74,7 @@ class Camera:
     orthographic: bool
     resolution: np.ndarray
     pixel: float  # area of one in the frame, scene units²
+    clip: tuple[float, float]  # its start and end
 
     @staticmethod
     def of(scene: bpy.types.Scene) -> Camera:
@@ -96,6 +97,7 @@ class Camera:
             orthographic=camera.data.type == "ORTHO",
             resolution=resolution,
             pixel=float(np.prod([(high[i] - low[i]) / resolution[i] for i in (0, 1)])),
+            clip=(camera.data.clip_start, camera.data.clip_end),
         )
 
     def box(self, thing: bpy.types.Object) -> tuple[float, float, float, float] | None:
@@ -126,10 +128,12 @@ class Camera:
 
     def pixel_area(self, position: Vector, direction: Vector) -> float:
         """Scene units², of what a pixel sees of a plane across the ray there."""
-        axis = self.matrix.col[2].xyz
-        away = (self.matrix.translation - position).dot(axis)
-        depth = 1 if self.orthographic else away / -self.low.z
-        return self.pixel * depth**2 * -direction.dot(axis)
+        depth = 1 if self.orthographic else self.depth(position) / -self.low.z
+        return self.pixel * depth**2 * -direction.dot(self.matrix.col[2].xyz)
+
+    def depth(self, position: Vector) -> float:
+        """How far it is off along the camera's axis."""
+        return (self.matrix.translation - position).dot(self.matrix.col[2].xyz)
 
 
 @dataclass(frozen=True)
@@ -192,6 +196,8 @@ def look(
             if hit is None:
                 continue
             position, normal = hit
+            if not camera.clip[0] <= camera.depth(position) <= camera.clip[1]:
+                continue
             cosine = direction.dot(normal)
             area = camera.pixel_area(position, direction) / max(abs(cosine), 1e-3)
             facing = normal if cosine < 0 else -normal
