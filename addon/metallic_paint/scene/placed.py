@@ -134,21 +134,24 @@ def _held(
     instancer: bpy.types.Object, depsgraph: bpy.types.Depsgraph
 ) -> Iterator[tuple[Placed, bool]]:
     """The lights of the collections that an empty shows, and whether a render shows them."""
-    waiting = [(instancer, instancer.evaluated_get(depsgraph).matrix_world, (), True)]
+    outer, number = instancer.evaluated_get(depsgraph).matrix_world, tuple[int, ...]()
+    waiting = [(instancer, outer, number, True)]
     while waiting:
-        holder, outer, number, holder_renders = waiting.pop()
+        holder, outer, number, renders = waiting.pop()
         collection = holder.instance_collection
         if collection is None or holder.instance_type != "COLLECTION":
             continue
+        held = [each for each in collection.all_objects if each.type in ("LIGHT", "EMPTY")]
+        rendered_here = {*_rendered_of(collection)} if held and renders else set()
         there = outer @ Matrix.Translation(-collection.instance_offset)
-        renders = {*_rendered_of(collection)} if holder_renders else set()
-        for i, thing in enumerate(collection.all_objects):
+        for i, thing in enumerate(held):
             matrix = there @ thing.evaluated_get(depsgraph).matrix_world
-            if thing.type == "LIGHT" and not _is_pattern(thing):
-                # A matrix of two is what drivers follow.
+            if thing.type == "EMPTY":
+                waiting.append((thing, matrix, (*number, i), thing in rendered_here))
+            elif not _is_pattern(thing):
+                # A product of two matrices is what drivers follow.
                 light = Placed(thing, matrix, instancer, number, followed=not number)
-                yield light, thing in renders
-            waiting.append((thing, matrix, (*number, i), thing in renders))
+                yield light, thing in rendered_here
 
 
 def _rendered_of(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
