@@ -63,14 +63,14 @@ def override_paint(thing: bpy.types.Object, file: Path) -> bpy.types.Material:
     return overridden
 
 
-def link_namesake(lamp: bpy.types.Object, file: Path) -> bpy.types.Object:
-    """Into the scene: the lamp as it is now, linked from the new file."""
-    bpy.data.libraries.write(str(file), {lamp})
+def link_namesake(thing: bpy.types.Object, file: Path) -> bpy.types.Object:
+    """Into the scene: the thing as it is now, linked from the new file."""
+    bpy.data.libraries.write(str(file), {thing})
     with bpy.data.libraries.load(str(file), link=True) as (there, here):
         here.objects = there.objects
     [linked] = here.objects
     bpy.context.scene.collection.objects.link(linked)
-    assert linked.name == lamp.name
+    assert linked.name == thing.name
     return linked
 
 

@@ -273,6 +273,54 @@ def test_a_light_that_is_not_rendered_has_none() -> None:
     assert "Spread" in needs.fit(scene).lights.left_out[lamp]
 
 
+@pytest.mark.parametrize("way", ["instancer", "subcollection", "nested"])
+def test_a_light_of_a_collection_that_is_not_rendered_has_none(way: str) -> None:
+    """Neither where the collection holds the instancer, nor where it holds the lamp."""
+    scene = stage()
+    empty = show_as_instance(lamp_of("POINT"))
+    dark = bpy.data.collections.new("Dark")
+    if way == "subcollection":
+        inner = empty.instance_collection
+        inner.children.link(dark)
+        dark.objects.link(bpy.data.objects["Lamp"])
+        inner.objects.unlink(bpy.data.objects["Lamp"])
+    else:
+        if way == "nested":
+            show_as_instance(empty).instance_collection.children.link(dark)
+        else:
+            scene.collection.children.link(dark)
+        empty.users_collection[0].objects.unlink(empty)
+        dark.objects.link(empty)
+    assert len(needs.fit(scene).lights.placed) == 1
+    dark.hide_render = True
+    assert not needs.is_fitted(scene)
+    assert needs.fit(scene).lights.placed == ()
+
+
+@pytest.mark.every_blender
+@pytest.mark.parametrize("way", ["eye", "viewport", "nested"])
+def test_an_instance_that_the_viewport_hides_sparkles_in_a_render(way: str) -> None:
+    scene = stage()
+    empty = show_as_instance(lamp_of("POINT"))
+    outer = show_as_instance(empty) if way == "nested" else empty
+    update()
+    turn(outer)
+    shown = needs.fit(scene).lights.placed
+    numbers = carrier.values()
+    if way == "eye":
+        outer.hide_set(True)
+    else:
+        empty.hide_viewport = True
+    update()
+    assert needs.fit(scene).lights.placed == shown
+    for (_, place, *_), (_, was, *_) in zip(carrier.values(), numbers, strict=True):
+        assert (place - was).length < 1e-6
+    outer.location.x += 0.1
+    update()
+    lights.renew(bpy.context.view_layer.depsgraph)
+    assert carrier.values()[0][1].x == pytest.approx(numbers[0][1].x + 0.1, abs=1e-6)
+
+
 def test_two_instances_and_the_lamp_itself_have_a_slot_each() -> None:
     scene = stage()
     lamp = lamp_of("SUN")

@@ -308,6 +308,17 @@ def test_an_area_light_that_is_partly_dark_has_no_slot_and_is_told(place: Place)
     assert f"no sparkles from Softbox: {why}" in str(report)
 
 
+def test_a_light_that_no_flake_mirrors_takes_no_slot_from_others(place: Place) -> None:
+    for i in range(8):
+        place("POINT", f"Fill {i}", energy=100, location=(0, 0, 3)).visible_glossy = False
+    place("POINT", "Key", energy=50, location=(0, 0, 3))
+    report = fill()
+    assert report.slots == named("Key")
+    assert {*report.left_out.values()} == {
+        "its Ray Visibility has Glossy off, so no flake mirrors it"
+    }
+
+
 def test_area_lights_come_after_the_others(place: Place) -> None:
     place("AREA", "A")
     place("SUN", "B")

@@ -115,6 +115,23 @@ def test_it_is_right_again_after_lights_come_and_go(ball: bpy.types.Object) -> N
     assert socket() == 0
 
 
+def test_a_world_that_no_view_layer_shows_lights_nothing(ball: bpy.types.Object) -> None:
+    new_world(Color=(1, 1, 1, 1))
+    assert other() == ("the world",)
+    bpy.context.view_layer.use_sky = False
+    assert not needs.is_fitted(bpy.context.scene)
+    assert other() == ()
+
+
+def test_a_background_set_may_shine(ball: bpy.types.Object) -> None:
+    add_sun()
+    assert other() == ()
+    bpy.context.scene.background_set = bpy.data.scenes.new("Stage")
+    assert not needs.is_fitted(bpy.context.scene)
+    assert other() == ("the background set",)
+    assert socket() == 3
+
+
 def test_without_a_painted_object_nothing_is_left_out() -> None:
     add_quad()
     material.create(Paint())  # which no object has

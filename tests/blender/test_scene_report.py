@@ -20,7 +20,15 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import lights, needs, rest_position, sight
 from metallic_paint.scene.report import report
 from recording import drawn
-from scenery import add_lamp, disc, link_paint, nest_paint, show_as_instance, world_of
+from scenery import (
+    add_lamp,
+    disc,
+    link_namesake,
+    link_paint,
+    nest_paint,
+    show_as_instance,
+    world_of,
+)
 from verification import scenes
 
 SIZE = 64
@@ -224,6 +232,32 @@ def test_what_the_camera_does_not_see_is_said() -> None:
     assert "without a camera" in said(scene, "INFO")
 
 
+def test_what_the_camera_clips_is_not_seen() -> None:
+    scene = build()
+    scene.camera.data.clip_end = 0.3
+    assert "Ball: the camera does not see it" in said(scene, "INFO")
+
+
+def test_a_painted_object_that_renders_no_paint_is_named() -> None:
+    scene = build()
+    ball = scene.objects["Ball"]
+    for name in ("is_holdout", "is_shadow_catcher"):
+        setattr(ball, name, True)
+        assert "Ball is a Holdout or Shadow Catcher" in bad(scene)
+        setattr(ball, name, False)
+    assert bad(scene) == ""
+
+
+def test_the_lights_of_a_background_set_are_named() -> None:
+    scene = build()
+    stage = bpy.data.scenes.new("Stage")
+    scene.background_set = stage
+    assert bad(scene) == ""
+    stage.collection.objects.link(scene.objects["Sun"])
+    scene.collection.objects.unlink(scene.objects["Sun"])
+    assert "The lights of the Background Set Stage make no sparkles." in bad(scene)
+
+
 def test_a_scene_without_paint_or_lamps_is_warned_of() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])
@@ -237,6 +271,29 @@ def test_paint_on_instances_alone_is_said() -> None:
     show_as_instance(scene.objects["Ball"])
     assert "Painted only as instances: nothing can be foretold." in said(scene, "INFO")
     assert "No object that renders is painted" not in bad(scene)
+
+
+def set_by_nodes(thing: bpy.types.Object) -> None:
+    """Geometry nodes give the thing its material, which its mesh has not."""
+    tree = bpy.data.node_groups.new("Paint", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    inside, out = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    node = tree.nodes.new("GeometryNodeSetMaterial")
+    node.inputs["Material"].default_value = thing.active_material
+    tree.links.new(inside.outputs[0], node.inputs["Geometry"])
+    tree.links.new(node.outputs[0], out.inputs[0])
+    thing.modifiers.new("Paint", "NODES").node_group = tree
+    thing.data.materials.clear()
+
+
+def test_paint_that_geometry_nodes_set_is_foretold() -> None:
+    scene = build()
+    set_by_nodes(scene.objects["Ball"])
+    assert lights.uses_paint(scene)
+    text = said(scene)
+    assert "flakes a pixel" in text
+    assert "painted" not in text
 
 
 def test_several_scenes_with_paints_are_warned_of() -> None:
@@ -486,6 +543,23 @@ def test_a_lamp_that_gives_no_light_is_named() -> None:
     assert "Sun gives no light: its Color is black." in bad(scene)
 
 
+@pytest.mark.every_blender
+def test_a_lamp_whose_nodes_give_no_light_is_named() -> None:
+    scene = build()
+    data = scene.objects["Sun"].data
+    if data.node_tree is None:
+        data.use_nodes = True  # Blender 4.5
+    tree = data.node_tree
+    tree.nodes.clear()
+    dark = "Sun gives no light: its nodes give none."
+    assert dark in bad(scene)
+    emission, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputLight")
+    tree.links.new(emission.outputs[0], out.inputs[0])
+    assert bad(scene) == ""
+    emission.inputs["Strength"].default_value = 0
+    assert dark in bad(scene)
+
+
 def add_roof(location: tuple[float, float, float] = (0, 0, 0.1)) -> bpy.types.Object:
     """Two metres wide, above the ball: out of the camera's sight."""
     bpy.ops.mesh.primitive_plane_add(size=2, location=location)
@@ -505,6 +579,42 @@ def test_a_roof_before_the_sun_is_named() -> None:
     assert bad(scene) == ""
 
 
+def put_into_collection(thing: bpy.types.Object) -> bpy.types.Collection:
+    collection = bpy.data.collections.new("Set")
+    bpy.context.scene.collection.children.link(collection)
+    bpy.context.scene.collection.objects.unlink(thing)
+    collection.objects.link(thing)
+    return collection
+
+
+def test_what_stands_in_a_collection_that_is_not_rendered_is_no_wall() -> None:
+    scene = build()
+    roof = add_roof()
+    put_into_collection(roof).hide_render = True
+    assert bad(scene) == ""
+    roof.location, roof.rotation_euler = (0, -0.2, 0), (math.pi / 2, 0, 0)
+    assert "flakes a pixel" in said(scene, "INFO")
+
+
+def test_a_roof_that_the_viewport_alone_hides_is_told_of() -> None:
+    scene = build()
+    add_roof()
+    bpy.context.object.hide_viewport = True
+    hidden = "Hidden in the viewport, but rendered: Roof. What these hide or shade is not foretold."
+    assert hidden in said(scene, "INFO")
+    scene.objects["Roof"].hide_render = True
+    assert "Hidden in the viewport" not in said(scene)
+
+
+def test_a_clear_pane_before_the_camera_is_no_wall() -> None:
+    scene = build()
+    pane = add_roof((0, -0.2, 0))
+    pane.rotation_euler.x = math.pi / 2
+    assert "the camera does not see it" in said(scene, "INFO")
+    pane.data.materials.append(clear_material())
+    assert "flakes a pixel" in said(scene, "INFO")
+
+
 def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])
@@ -517,14 +627,18 @@ def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     assert shadow not in bad(scene)
 
 
-def test_a_roof_that_lets_light_pass_is_not() -> None:
-    scene = build()
-    roof = add_roof()
+def clear_material() -> bpy.types.Material:
     clear = bpy.data.materials.new("Clear")
     if clear.node_tree is None:
         clear.use_nodes = True
     clear.node_tree.nodes.new("ShaderNodeBsdfPrincipled").inputs["Alpha"].default_value = 0.5
-    roof.data.materials.append(clear)
+    return clear
+
+
+def test_a_roof_that_lets_light_pass_is_not() -> None:
+    scene = build()
+    roof = add_roof()
+    roof.data.materials.append(clear_material())
     assert bad(scene) == ""
 
 
@@ -557,6 +671,17 @@ def test_a_lamp_linked_away_from_the_paint_is_named() -> None:
     assert bad(scene) == ""
 
 
+def test_a_linked_namesake_is_another_object(tmp_path: Path) -> None:
+    scene = build()
+    namesake = link_namesake(scene.objects["Ball"], tmp_path / "theirs.blend")
+    scene.collection.objects.unlink(namesake)
+    inner, lit = bpy.data.collections.new("Inner"), bpy.data.collections.new("Lit by the sun")
+    inner.objects.link(namesake)
+    lit.children.link(inner)
+    scene.objects["Sun"].light_linking.receiver_collection = lit
+    assert "Light linking keeps Sun from Ball" in bad(scene)
+
+
 def test_what_is_linked_away_from_a_shadow_is_no_roof() -> None:
     scene = build()
     roof = add_roof()
@@ -577,3 +702,20 @@ def test_a_spot_that_shines_past_is_named() -> None:
     spot.rotation_euler = (math.atan2(0.2, 0.3), 0, 0)
     bpy.context.view_layer.update()
     assert "Spot shines past" not in bad(scene)
+
+
+@pytest.mark.every_blender
+@pytest.mark.parametrize("scale", [(6, 6, 1), (1, 1, 3), (6, 6, 6), (-1, 1, 1)])
+def test_a_spots_cone_is_scaled_with_it_as_in_the_picture(scale: tuple[float, ...]) -> None:
+    scene = build()
+    bpy.data.objects.remove(scene.objects["Sun"])
+    spot = add_lamp("SPOT", "Spot", energy=50, location=(0, -3, 1.2), scale=scale)
+    spot.data.spot_size, spot.data.spot_blend = math.radians(40), 0
+    aim = 10 if scale[2] == 3 else 30  # degrees off the ball
+    spot.rotation_euler.x = math.atan2(3, 1.2) - math.radians(aim)
+    warned = "its cone ends" in bad(scene)
+    verify.make_noiseless(scene)
+    assert warned == (verify.render(scene).max() == 0)
+    for i in range(lights.SLOTS):
+        add_lamp("POINT", f"Point {i}", energy=1e-6, location=(0, -3, 1.2))
+    assert (spot in needs.fit(scene).lights.left_out) == warned

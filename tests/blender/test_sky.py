@@ -46,6 +46,15 @@ def test_what_is_no_sun_has_no_slot() -> None:
     assert sky.spot_of(np.zeros((512, 1024), np.float32)) is None
 
 
+def test_a_hot_pixel_is_no_sun_beside_a_sun_of_more_light() -> None:
+    towards, radius = random_sun(635)
+    light = disc(towards, radius, 2e3, 0.01)
+    light[HEIGHT // 4, WIDTH // 3] = 3e3
+    spot = sky.spot_of(light)
+    assert spot is not None
+    assert Vector(spot.direction).angle(Vector(towards)) < 2e-3
+
+
 @pytest.mark.every_blender
 def test_the_slot_follows_the_worlds_mapping_and_the_skys_sun() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -125,6 +134,59 @@ def test_the_sun_of_a_file_that_changed_is_found_once_it_is_loaded_anew(
     if looked == "shown":
         assert tuple(node.image.size) == SMALL
     assert is_at(scene, 200)
+
+
+@pytest.mark.every_blender
+def test_an_image_of_8_bits_is_judged_by_its_light() -> None:
+    """A white dot on a dark grey, whose values are ten times its light."""
+    scene = bpy.context.scene
+    node = world_of(np.zeros((HEIGHT, WIDTH), np.float32))
+    pixels = np.full((256, 512, 4), 3 / 255, np.float32)
+    pixels[160:165, 378:383, :3] = pixels[..., 3] = 1
+    node.image = bpy.data.images.new("Bytes", 512, 256)
+    node.image.pixels.foreach_set(pixels.ravel())
+    assert sky.find(scene) is not None
+    node.image.colorspace_settings.name = "Non-Color"
+    assert sky.find(scene) is None
+
+
+def test_a_missing_file_is_not_tried_until_it_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, scene = tmp_path / "sky.exr", bpy.context.scene
+    node = world_of(np.full((HEIGHT, WIDTH), 0.01, np.float32))
+    write_sun(file, 40)
+    node.image = bpy.data.images.load(str(file))
+    node.image.reload()
+    file.rename(tmp_path / "away.exr")
+    monkeypatch.setattr(sky, "_search", None)
+    assert sky.find(scene) is None
+    monkeypatch.undo()
+    (tmp_path / "away.exr").rename(file)
+    node.image.reload()
+    assert is_at(scene, 40)
+
+
+@pytest.mark.every_blender
+def test_the_worlds_sun_is_that_of_the_view_layers_in_use() -> None:
+    scene = bpy.context.scene
+    world_of(disc(np.array((0, 0.5, 1)), 0.01, 1e5, 0.3))
+    sunny, layer = scene.world, scene.view_layers[0]
+    assert sky.find(scene).name == "the sun of World"
+    sunny.cycles_visibility.glossy = False
+    assert sky.find(scene) is None
+    sunny.cycles_visibility.glossy = True
+    layer.use_sky = False
+    assert sky.find(scene) is None
+    layer.use_sky = True
+    if bpy.app.version < (5, 0):
+        return
+    layer.world_override = bpy.data.worlds.new("Plain")
+    assert sky.find(scene) is None
+    layer.world_override, scene.world = sunny, layer.world_override
+    assert sky.find(scene).name == "the sun of World"
+    scene.view_layers.new("Other")
+    assert sky.find(scene) is None  # paints cannot have both
 
 
 def test_update_lights_finds_the_sun_of_a_painted_image() -> None:

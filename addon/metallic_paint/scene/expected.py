@@ -95,5 +95,5 @@ def _irradiance_of_sun(scene: bpy.types.Scene) -> float:
     sun = sky.find(scene)
     if sun is None:
         return 0.0
-    strength = sky.shown(scene.world)[0].inputs["Strength"]
+    strength = sky.shown(sky.world_of(scene))[0].inputs["Strength"]
     return 0.0 if strength.is_linked else sun.irradiance * strength.default_value

@@ -26,7 +26,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..paint import live, material
-from . import lights, needs
+from . import lights, needs, sky
 
 REST_SECONDS = 0.3
 
@@ -130,7 +130,7 @@ def _changed(*_: object) -> None:
 def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Also while Cycles renders an animation: Blender then evaluates what is renewed once more."""
     lights.renew(depsgraph)
-    if needs.world_is_animated(scene):
+    if any(map(needs.world_is_animated, sky.worlds(scene))):
         _changed()  # no driver follows its sun
 
 

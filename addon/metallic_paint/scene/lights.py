@@ -205,6 +205,8 @@ def why_not(light: bpy.types.Object) -> str:
     """Why a light can have no slot, whatever else there is; empty where it can."""
     if light.data.type not in carrier.KINDS:
         return f"lights of type {light.data.type} are not known"
+    if not light.visible_glossy:
+        return "its Ray Visibility has Glossy off, so no flake mirrors it"
     if isinstance(light.data, bpy.types.AreaLight):
         if light.data.cycles.is_portal:
             return "a portal is a window for the world's light"
@@ -502,20 +504,21 @@ def is_painted(thing: bpy.types.Object) -> bool:
 
 def uses_paint(scene: bpy.types.Scene) -> bool:
     """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
-    paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
+    painted = showing_paint(editable=False)
     collections = [scene.collection]
     for collection in collections:
         things = collection.all_objects
-        if any(slot.material in paints for thing in things for slot in thing.material_slots):
+        if not painted.isdisjoint(things):
             return True
         shown = dict.fromkeys(thing.instance_collection for thing in things)
         collections += [each for each in shown if each is not None and each not in collections]
     return False
 
 
-def showing_paint() -> set[bpy.types.Object]:
-    """The file's objects that show a paint, and can be changed: by their material slots, or by
-    geometry nodes. Where an empty shows a linked collection, its objects cannot, and the empty is.
+def showing_paint(*, editable: bool = True) -> set[bpy.types.Object]:
+    """The file's objects that show a paint, by their material slots or by geometry nodes, and can
+    be changed; without `editable`, all. Where an empty shows a linked collection, its objects
+    cannot, and the empty is.
     """
     paints = {each for each in bpy.data.materials if holds_slots(each.node_tree)}
     found: set[bpy.types.Object] = set()
@@ -532,7 +535,7 @@ def showing_paint() -> set[bpy.types.Object]:
             if hasattr(each, "materials") or isinstance(each, bpy.types.GeometryNodeTree)
         }
     found |= {each for each in bpy.data.objects if _shows_linked(each, found)}
-    return {each for each in found if each.is_editable}
+    return {each for each in found if each.is_editable or not editable}
 
 
 def _shows_linked(thing: bpy.types.Object, painted: set[bpy.types.Object]) -> bool:
@@ -591,10 +594,14 @@ def _faces(matrix: Matrix, box: _Box) -> float:
 
 
 def _spot_reaches(light: bpy.types.SpotLight, matrix: Matrix, box: _Box) -> bool:
-    """Whether the spot's cone meets the sphere around the box (cone unscaled)."""
-    towards = box.center - matrix.translation
-    if towards.length <= box.radius:
+    """Whether the spot's cone meets the sphere around the box."""
+    local = _Box(matrix.inverted_safe() @ box.matrix, box.low, box.high)
+    distance = local.center.length
+    if distance <= local.radius:
         return True
-    axis = -matrix.col[2].xyz
-    margin = math.asin(box.radius / towards.length)
-    return axis.length > 0 and axis.angle(towards) - margin < light.spot_size / 2
+    return off_axis(matrix, box.center) - math.asin(local.radius / distance) < light.spot_size / 2
+
+
+def off_axis(matrix: Matrix, point: Vector) -> float:
+    """The angle at a spot between its axis and a point: Cycles scales the cone with the object."""
+    return Vector((0, 0, -1)).angle(matrix.inverted_safe() @ point, 0)

@@ -32,6 +32,7 @@ _FITTED_TO, _SAID = "metallic_paint_fitted_to", "metallic_paint_said"
 _SCENE = "metallic_paint_scene"
 
 _WIDE = "area lights where they look wide"
+_SET = "the background set"
 
 _state = {"fitting": False}
 
@@ -92,8 +93,10 @@ def fit(scene: bpy.types.Scene) -> Needs:
         things = _things(lights.used_layers(scene))
         other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
-        of_lamps = bool(report.without) or _WIDE in other_light or _any_emits(things)
-        lights.show_other_light(bool(needs.other_light), of_lamps or _world_may_be_uneven(scene))
+        of_lamps = bool(report.without) or not {_WIDE, _SET}.isdisjoint(other_light)
+        of_lamps = of_lamps or _any_emits(things)
+        uneven = of_lamps or any(map(_world_may_be_uneven, sky.worlds(scene)))
+        lights.show_other_light(bool(needs.other_light), uneven)
         carrier.follow_frame(_draws_every_frame())
         group = lights.node_group()
         group[_FITTED_TO], group[_SAID] = _fingerprint(scene), str(needs)
@@ -155,11 +158,12 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
     layers = lights.used_layers(scene)
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
-    overrides = [(layer.name, layer.material_override, _world_override(layer)) for layer in layers]
+    worlds = sky.worlds(scene)
+    overrides = [(layer.name, layer.material_override) for layer in layers]
     seen: list[object] = [
         scene.name_full, scene.unit_settings.scale_length, _bounces(scene), overrides,
-        _world_may_shine(scene), _world_may_be_uneven(scene), _draws_every_frame(),
-        lights.rays_meet_all(),
+        *(any(map(each, worlds)) for each in (_world_may_shine, _world_may_be_uneven)),
+        _draws_every_frame(), lights.rays_meet_all(), scene.background_set,
     ]  # fmt: skip
     seen += [
         (lamp.name_full, lamp.data.name_full, lamp.data.type, getattr(lamp.data, "shape", ""))
@@ -181,10 +185,12 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
         for each in materials
     ]
     instances = placed.instances_in(layers)
-    seen += [(each.name, each.number, each.followed) for each in instances]
+    seen += [
+        (each.name, each.number, each.followed, lights.why_not(each.lamp)) for each in instances
+    ]
     if len(lamps) + len(instances) > lights.SLOTS:  # the brightest have the slots
-        painted = filter(lights.is_painted, shapes)
-        seen += [thing.matrix_world for thing in (*lamps, *painted)]
+        painted = lights.showing_paint(editable=False)
+        seen += [each.matrix_world for each in (*lamps, *(s for s in shapes if s in painted))]
         seen += [each.matrix for each in instances]
         seen += [_brightness(lamp) for lamp in (*lamps, *(each.lamp for each in instances))]
     return hashlib.sha256(repr(seen).encode()).hexdigest()
@@ -222,23 +228,21 @@ def _bounces(scene: bpy.types.Scene) -> int:
     return min(scene.cycles.max_bounces, scene.cycles.glossy_bounces)
 
 
-def _world_override(layer: bpy.types.ViewLayer) -> bpy.types.World | None:
-    return getattr(layer, "world_override", None)  # of Blender 5
-
-
 def _other_light(
     scene: bpy.types.Scene, report: lights.Report, things: list[bpy.types.Object]
 ) -> Iterator[str]:
     shapes = _shapes(things)
-    if not any(map(lights.is_painted, shapes)):
+    if lights.showing_paint(editable=False).isdisjoint(shapes):
         yield "whatever there is: no object is painted yet"
-    if _world_may_shine(scene) or any(map(_world_override, lights.used_layers(scene))):
+    if any(map(_world_may_shine, sky.worlds(scene))):
         yield "the world"
     lamps = _lamps(things)
     if report.without or any(lamp not in report.slots for lamp in lamps):
         yield "lights without a slot"
     if any(lamp.data.type == "AREA" for lamp in report.slots):
         yield _WIDE
+    if scene.background_set:
+        yield _SET
     if any(map(_may_emit, shapes)):
         yield "objects that may emit"
     if any(map(_may_hold_a_volume, shapes)):
@@ -261,17 +265,15 @@ def _draws_every_frame() -> bool:
 # --- the world -------------------------------------------------------------------------------
 
 
-def world_is_animated(scene: bpy.types.Scene) -> bool:
-    world = scene.world
+def world_is_animated(world: bpy.types.World | None) -> bool:
     tree = world.node_tree if world else None
     return any(each is not None and each.animation_data is not None for each in (world, tree))
 
 
-def _world_may_shine(scene: bpy.types.Scene) -> bool:
-    world = scene.world
+def _world_may_shine(world: bpy.types.World | None) -> bool:
     if world is None:
         return False
-    if world_is_animated(scene):
+    if world_is_animated(world):
         return True
     tree = world.node_tree
     # Blender 5 always uses the nodes, and warns those who ask.
@@ -283,14 +285,13 @@ def _world_may_shine(scene: bpy.types.Scene) -> bool:
     if out.inputs["Volume"].is_linked:
         return True
     links = out.inputs["Surface"].links
-    return any(_may_shine(link.from_node, "Color", "Strength") for link in links)
+    return any(may_shine(link.from_node, "Color", "Strength") for link in links)
 
 
-def _world_may_be_uneven(scene: bpy.types.Scene) -> bool:
+def _world_may_be_uneven(world: bpy.types.World | None) -> bool:
     """Whether it shines more from one side than from another, as a room or a sky does."""
-    world = scene.world
     tree = world.node_tree if world else None
-    if tree is None or not _world_may_shine(scene):
+    if tree is None or not _world_may_shine(world):
         return False
     out = tree.get_output_node("CYCLES")
     links = out.inputs["Surface"].links if out else ()
@@ -301,7 +302,7 @@ def _world_may_be_uneven(scene: bpy.types.Scene) -> bool:
     )
 
 
-def _may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
+def may_shine(node: bpy.types.Node, color: str, strength: str) -> bool:
     """Of an emission, background or principled node: unless colour or strength are surely zero."""
     if node.type not in ("BACKGROUND", "EMISSION", "BSDF_PRINCIPLED") or node.mute:
         return True
@@ -349,8 +350,8 @@ def _node_may_emit(node: bpy.types.Node) -> bool:
     if node.type == "GROUP" and material.is_paint(node):
         return False
     if node.type == "BSDF_PRINCIPLED":
-        return _may_shine(node, "Emission Color", "Emission Strength")
-    return _may_shine(node, "Color", "Strength") if node.type == "EMISSION" else True
+        return may_shine(node, "Emission Color", "Emission Strength")
+    return may_shine(node, "Color", "Strength") if node.type == "EMISSION" else True
 
 
 def _may_hold_a_volume(thing: bpy.types.Object) -> bool:

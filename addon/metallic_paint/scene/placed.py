@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The lights that a scene shows: those that stand in it, and instances of lights.
 
-A collection instance has a matrix to follow, and so has the light in it. What geometry nodes,
-particles, vertices or faces multiply, and instances within instances, only Blender's own evaluation
-knows: such a light is where it was when somebody looked last.
+A collection instance has a matrix to follow, and so has the light in it. Instances within instances
+are not followed, and what geometry nodes, particles, vertices or faces multiply only Blender's own
+evaluation knows: such a light is where it was when somebody looked last.
 """
 
 from __future__ import annotations
@@ -53,6 +53,11 @@ def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.
                 yield thing
 
 
+def unrendered(layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:
+    """The objects of a view layer that a render does not show."""
+    return {*layer.objects}.difference(rendered(layer))
+
+
 def instanced(layer: bpy.types.ViewLayer) -> Iterator[bpy.types.Object]:
     """The objects that particles, geometry nodes or collection instances multiply, as often."""
     for instance in layer.depsgraph.object_instances:
@@ -96,17 +101,27 @@ def _multiplies(user: bpy.types.ID) -> bool:
 
 
 def instances(depsgraph: bpy.types.Depsgraph) -> Iterator[Placed]:
-    """Of lights, as Blender has evaluated them."""
+    """Of lights that a render shows: those of collections by their matrices, also where the
+    viewport hides them, and what else multiplies lights as Blender has evaluated it.
+    """
+    shown = {*rendered(depsgraph.view_layer)}
+    of_collections: dict[tuple[bpy.types.Object, bpy.types.Object], list[Matrix]] = {}
+    for instancer in shown:
+        for each, renders in _held(instancer, depsgraph):
+            of_collections.setdefault((instancer, each.lamp), []).append(each.matrix)
+            if renders:
+                yield each
     for instance in depsgraph.object_instances:
         if not instance.is_instance or instance.object.type != "LIGHT":
             continue
         lamp, instancer = instance.object.original, instance.parent.original
-        if lamp.hide_render or instancer.hide_render:
+        if lamp.hide_render or instancer not in shown:
             continue
         matrix = instance.matrix_world.copy()
+        if any(_are_close(matrix, each) for each in of_collections.get((instancer, lamp), ())):
+            continue
         number = tuple(each for each in instance.persistent_id if each != _NO_NUMBER)
-        followed = _is_collection(instancer, lamp, matrix, depsgraph)
-        yield Placed(lamp, matrix, instancer, number, followed)
+        yield Placed(lamp, matrix, instancer, number, followed=False)
 
 
 def _themselves(layer: bpy.types.ViewLayer) -> Iterator[Placed]:
@@ -115,18 +130,37 @@ def _themselves(layer: bpy.types.ViewLayer) -> Iterator[Placed]:
             yield Placed(thing, thing.evaluated_get(layer.depsgraph).matrix_world.copy())
 
 
-def _is_collection(
-    instancer: bpy.types.Object,
-    lamp: bpy.types.Object,
-    matrix: Matrix,
-    depsgraph: bpy.types.Depsgraph,
-) -> bool:
-    """Whether the instance stands where a collection instance shows the light."""
-    collection = instancer.instance_collection
-    if collection is None or instancer.instance_type != "COLLECTION":
-        return False
-    if lamp not in {*collection.all_objects}:
-        return False
-    outer, inner = (each.evaluated_get(depsgraph).matrix_world for each in (instancer, lamp))
-    expected = outer @ Matrix.Translation(-collection.instance_offset) @ inner
-    return np.allclose(np.array(matrix), np.array(expected), rtol=1e-5, atol=1e-5)
+def _held(
+    instancer: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+) -> Iterator[tuple[Placed, bool]]:
+    """The lights of the collections that an empty shows, and whether a render shows them."""
+    outer, number = instancer.evaluated_get(depsgraph).matrix_world, tuple[int, ...]()
+    waiting = [(instancer, outer, number, True)]
+    while waiting:
+        holder, outer, number, renders = waiting.pop()
+        collection = holder.instance_collection
+        if collection is None or holder.instance_type != "COLLECTION":
+            continue
+        held = [each for each in collection.all_objects if each.type in ("LIGHT", "EMPTY")]
+        rendered_here = {*_rendered_of(collection)} if held and renders else set()
+        there = outer @ Matrix.Translation(-collection.instance_offset)
+        for i, thing in enumerate(held):
+            matrix = there @ thing.evaluated_get(depsgraph).matrix_world
+            if thing.type == "EMPTY":
+                waiting.append((thing, matrix, (*number, i), thing in rendered_here))
+            elif not _is_pattern(thing):
+                # A product of two matrices is what drivers follow.
+                light = Placed(thing, matrix, instancer, number, followed=not number)
+                yield light, thing in rendered_here
+
+
+def _rendered_of(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
+    """The objects that an instance of the collection shows in a render."""
+    if not collection.hide_render:
+        yield from (thing for thing in collection.objects if not thing.hide_render)
+        for child in collection.children:
+            yield from _rendered_of(child)
+
+
+def _are_close(one: Matrix, other: Matrix) -> bool:
+    return np.allclose(np.array(one), np.array(other), rtol=1e-5, atol=1e-5)

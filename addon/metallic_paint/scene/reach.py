@@ -10,14 +10,13 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
-from . import lights, sky
-from .sight import Seen, past, surfaces_on
+from . import lights, needs, sky
+from .sight import Room, Seen, lets_light_pass, past
 
 _RAYS = 60  # to each light, from places spread over what the camera sees
 _HIDDEN = 0.99  # of the places: so little sparkles that one takes it for none
-_CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
 
 
 def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
@@ -28,6 +27,20 @@ def dark(lamps: tuple[bpy.types.Object, ...]) -> Iterator[str]:
             yield f"{lamp.name} gives no light: its Power or Strength is {data.energy:g}."
         elif max(data.color) <= 0:
             yield f"{lamp.name} gives no light: its Color is black."
+        elif _is_dark(data):
+            yield f"{lamp.name} gives no light: its nodes give none."
+
+
+def _is_dark(data: bpy.types.Light) -> bool:
+    """Whether its nodes surely give no light."""
+    tree = data.node_tree
+    if tree is None or (bpy.app.version < (5, 0) and not data.use_nodes):
+        return False
+    out = tree.get_output_node("CYCLES")
+    node = sky.source(out.inputs["Surface"]) if out else None
+    if node is None:
+        return True
+    return node.type == "EMISSION" and not needs.may_shine(node, "Color", "Strength")
 
 
 def overridden(layer: bpy.types.ViewLayer) -> str | None:
@@ -48,6 +61,7 @@ def lacking(
     found: lights.Report,
 ) -> Iterator[str]:
     """Sentences about the lights that do not reach what the camera sees of a painted object."""
+    room = Room.of(scene, layer)
     places = np.linspace(0, len(seen.position) - 1, min(_RAYS, len(seen.position))).astype(int)
     for light in _lights(scene, found):
         if light.lamp is not None and not _is_linked(light.lamp, thing):
@@ -64,10 +78,10 @@ def lacking(
             if towards.dot(normal) <= 0:
                 continue
             facing += 1
-            if light.misses(towards):
+            if light.misses(position):
                 outside += 1
                 continue
-            blocker = _first_shadow(scene, layer, light, position, towards, distance)
+            blocker = _first_shadow(room, light, position, towards, distance)
             if blocker is not None:
                 blockers[blocker] += 1
         if facing == 0:
@@ -89,36 +103,33 @@ class _Light:
     name: str
     lamp: bpy.types.Object | None  # None for a world's sun
     direction: Vector | None  # towards one that is far away
-    place: Vector
-    axis: Vector  # of a spot, away from it
-    cone: float  # its half-angle
+    matrix: Matrix
+    cone: float  # half-angle of a spot
 
     def way(self, position: Vector) -> tuple[Vector, float]:
         """Unit vector towards it, and how far it is."""
         if self.direction is not None:
             return self.direction, 1e9
-        off = self.place - position
+        off = self.matrix.translation - position
         return off.normalized(), off.length
 
-    def misses(self, towards: Vector) -> bool:
-        return -towards.dot(self.axis) < math.cos(self.cone)
+    def misses(self, position: Vector) -> bool:
+        return lights.off_axis(self.matrix, position) > self.cone
 
 
 def _lights(scene: bpy.types.Scene, found: lights.Report) -> Iterator[_Light]:
     """Those that have a slot."""
     for light in found.placed:
         lamp, matrix = light.lamp, light.matrix
-        axis = -matrix.col[2].xyz.normalized()
-        far = -axis if lamp.data.type == "SUN" else None
-        cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.pi
-        yield _Light(light.name, lamp, far, matrix.translation, axis, cone)
+        far = matrix.col[2].xyz.normalized() if lamp.data.type == "SUN" else None
+        cone = lamp.data.spot_size / 2 if lamp.data.type == "SPOT" else math.inf
+        yield _Light(light.name, lamp, far, matrix, cone)
     if found.sky and (sun := sky.find(scene)):
-        yield _Light(sun.name, None, Vector(sun.direction), Vector(), Vector((0, 0, 1)), math.pi)
+        yield _Light(sun.name, None, Vector(sun.direction), Matrix(), math.inf)
 
 
 def _first_shadow(
-    scene: bpy.types.Scene,
-    layer: bpy.types.ViewLayer,
+    room: Room,
     light: _Light,
     origin: Vector,
     towards: Vector,
@@ -129,36 +140,15 @@ def _first_shadow(
     if lamp is not None and not lamp.data.use_shadow:
         return None
     start = past(origin, towards)
-    for found, polygon in surfaces_on(scene, layer, start, towards, distance):
+    for found, polygon in room.surfaces_on(start, towards, distance):
         thing = found.original
         if (
-            not thing.hide_render
-            and thing.visible_shadow
+            thing.visible_shadow
             and (lamp is None or _blocks(lamp, thing))
-            and not _lets_light_pass(found, polygon)
+            and not lets_light_pass(found, polygon)
         ):
             return thing
     return None
-
-
-def _lets_light_pass(thing: bpy.types.Object, polygon: int) -> bool:
-    """Whether the material there may: what its nodes make of it is not known."""
-    slots = thing.material_slots
-    if not slots or not isinstance(thing.data, bpy.types.Mesh):
-        return False
-    polygons = thing.data.polygons
-    index = polygons[polygon].material_index if 0 <= polygon < len(polygons) else 0
-    found = slots[min(index, len(slots) - 1)].material
-    if found is None or found.node_tree is None:
-        return False
-    for node in found.node_tree.nodes:
-        if node.type in _CLEAR:
-            return True
-        if node.type == "BSDF_PRINCIPLED":
-            alpha = node.inputs["Alpha"]
-            if alpha.is_linked or alpha.default_value < 1:
-                return True
-    return False
 
 
 # --- light linking -----------------------------------------------------------------------------
@@ -180,7 +170,7 @@ def _holds(collection: bpy.types.Collection | None, thing: bpy.types.Object) -> 
     if collection is None:
         return True
     entries = [
-        (child.light_linking.link_state, thing.name in held.all_objects)
+        (child.light_linking.link_state, thing in [*held.all_objects])
         for child, held in zip(collection.collection_children, collection.children, strict=True)
     ] + [
         (entry.light_linking.link_state, held == thing)

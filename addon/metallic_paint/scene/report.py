@@ -18,7 +18,7 @@ from ..native import core_missing
 from ..paint import PARAMETERS, PaintError, live, material
 from . import lights, needs, placed, reach, rest_position
 from .expected import Expected, expect
-from .sight import Camera, Effort, SightError, effort_for, look
+from .sight import POLYGONAL, Camera, Effort, SightError, effort_for, look
 
 INFO: Final = "INFO"
 WARNING: Final = "WARNING"
@@ -44,6 +44,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         lines.append(
             (WARNING, "Nothing sparkles: add a sun, spot, point or area light that renders.")
         )
+    lines += _lamps_of_sets(scene)
     if outdated := denoise.outdated(scene):
         lines.append((WARNING, f"{outdated}."))
     lines += [(WARNING, text) for text in reach.dark(fitted.lights.slots)]
@@ -52,9 +53,14 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         for name in dict.fromkeys(each.name for each in fitted.lights.placed if not each.followed)
     ]
     layers = lights.used_layers(scene)
+    for layer in layers:
+        layer.update()  # fit may have had nothing to do
     lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
     shown = {thing: layer for layer in layers for thing in placed.rendered(layer)}
-    painted = [thing for thing in shown if lights.is_painted(thing)]
+    painted = [
+        thing for thing, layer in shown.items()
+        if lights.is_painted(thing.evaluated_get(layer.depsgraph))
+    ]  # fmt: skip
     if not painted:
         multiplied = (thing for layer in layers for thing in placed.instanced(layer))
         if any(map(lights.is_painted, multiplied)):
@@ -67,6 +73,16 @@ def report(scene: bpy.types.Scene) -> list[Line]:
             "without this add-on, the scene that was fitted or saved last."
         )
         lines.append((WARNING, text))
+    unseen = [
+        thing.name
+        for thing, layer in shown.items()
+        if thing.type in POLYGONAL and not thing.visible_get(view_layer=layer)
+    ]
+    if unseen:
+        text = (
+            f"Hidden in the viewport, but rendered: {', '.join(unseen)}. What these hide or shade"
+        )
+        lines.append((INFO, f"{text} is not foretold."))
     surfaces = [each for thing in painted for each in _surfaces(thing, shown[thing])]
     unknown = {each: each.unknown() for each in surfaces}
     known = [each for each, line in unknown.items() if line is None]
@@ -106,6 +122,15 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
             and material.gpu(scene) in ("NONE", "OPTIX")
         )
         yield WARNING if shows else ERROR, missing
+
+
+def _lamps_of_sets(scene: bpy.types.Scene) -> Iterator[Line]:
+    behind = scene.background_set
+    while behind:
+        shown = (each for layer in lights.used_layers(behind) for each in placed.rendered(layer))
+        if any(each.type == "LIGHT" for each in shown):
+            yield WARNING, f"The lights of the Background Set {behind.name} make no sparkles."
+        behind = behind.background_set
 
 
 def _clamping(scene: bpy.types.Scene, brightest: float, sources: int) -> Iterator[Line]:
@@ -198,8 +223,9 @@ def _left_behind(
 
 
 def _surfaces(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> list[_Surface]:
-    slots = dict.fromkeys(slot.material for slot in thing.material_slots if slot.material)
-    painted = [each for each in slots if material.has_paint(each)]
+    slots = thing.evaluated_get(layer.depsgraph).material_slots  # geometry nodes may add some
+    materials = dict.fromkeys(slot.material.original for slot in slots if slot.material)
+    painted = [each for each in materials if material.has_paint(each)]
     return [
         _Surface(
             thing.name if len(painted) == 1 else f"{thing.name}, {each.name}",
@@ -233,6 +259,11 @@ def _about(
     """Lines about a painted object, and how bright a pixel of it may sparkle."""
     label, thing, node = surface.label, surface.thing, surface.node
     lines: list[Line] = []
+    if thing.is_shadow_catcher or thing.holdout_get(view_layer=surface.layer):
+        text = (
+            f"{label} is a Holdout or Shadow Catcher (Object > Visibility): no paint is rendered."
+        )
+        return [(WARNING, text)], 0.0
     unit = scene.unit_settings.scale_length * node.inputs[material.MODEL_SCALE].default_value
     size = max(thing.dimensions) * unit
     if not _SMALLEST <= size <= _LARGEST:

@@ -19,12 +19,16 @@ from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 from mathutils.interpolate import poly_3d_calc
 
+from . import placed
+
 _RAYS = 40  # along each side of an object's box in the picture, at most
 _FEWEST_RAYS = 10
 _ALL_RAYS = 6400  # of a report, at the objects alone
 _VISITS = 250_000  # of objects, by a report's rays through the scene: about a quarter of a second
 _FEWEST_TESTS = 8  # rays through the scene for one object
 _THROUGH = 16  # surfaces that a ray may pass
+POLYGONAL = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+_CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
 
 
 class SightError(ValueError):
@@ -70,6 +74,7 @@ class Camera:
     orthographic: bool
     resolution: np.ndarray
     pixel: float  # area of one in the frame, scene units²
+    clip: tuple[float, float]  # its start and end
 
     @staticmethod
     def of(scene: bpy.types.Scene) -> Camera:
@@ -92,6 +97,7 @@ class Camera:
             orthographic=camera.data.type == "ORTHO",
             resolution=resolution,
             pixel=float(np.prod([(high[i] - low[i]) / resolution[i] for i in (0, 1)])),
+            clip=(camera.data.clip_start, camera.data.clip_end),
         )
 
     def box(self, thing: bpy.types.Object) -> tuple[float, float, float, float] | None:
@@ -122,10 +128,43 @@ class Camera:
 
     def pixel_area(self, position: Vector, direction: Vector) -> float:
         """Scene units², of what a pixel sees of a plane across the ray there."""
-        axis = self.matrix.col[2].xyz
-        away = (self.matrix.translation - position).dot(axis)
-        depth = 1 if self.orthographic else away / -self.low.z
-        return self.pixel * depth**2 * -direction.dot(axis)
+        depth = 1 if self.orthographic else self.depth(position) / -self.low.z
+        return self.pixel * depth**2 * -direction.dot(self.matrix.col[2].xyz)
+
+    def depth(self, position: Vector) -> float:
+        """How far it is off along the camera's axis."""
+        return (self.matrix.translation - position).dot(self.matrix.col[2].xyz)
+
+
+@dataclass(frozen=True)
+class Room:
+    """What a render shows of a view layer, for rays."""
+
+    scene: bpy.types.Scene
+    layer: bpy.types.ViewLayer
+    unrendered: set[bpy.types.Object]
+
+    @staticmethod
+    def of(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Room:
+        return Room(scene, layer, placed.unrendered(layer))
+
+    def surfaces_on(
+        self, origin: Vector, direction: Vector, distance: float = 1e9
+    ) -> Iterator[tuple[bpy.types.Object, int]]:
+        """What a ray meets in turn, so far: the evaluated object and its polygon; 16 at most."""
+        end = origin + distance * direction
+        for _ in range(_THROUGH):
+            left = (end - origin).dot(direction)
+            if left <= 0:
+                return
+            hit, place, _, polygon, found, _ = self.scene.ray_cast(
+                self.layer.depsgraph, origin, direction, distance=left
+            )
+            if not hit:
+                return
+            if not found.hide_render and found.original not in self.unrendered:
+                yield found, polygon
+            origin = past(place, direction)
 
 
 def look(
@@ -157,6 +196,8 @@ def look(
             if hit is None:
                 continue
             position, normal = hit
+            if not camera.clip[0] <= camera.depth(position) <= camera.clip[1]:
+                continue
             cosine = direction.dot(normal)
             area = camera.pixel_area(position, direction) / max(abs(cosine), 1e-3)
             facing = normal if cosine < 0 else -normal
@@ -166,7 +207,8 @@ def look(
     if not hits:
         return None
     table = np.array(hits)
-    table = table[_in_sight(scene, layer, thing, rays, table[:, 10:], effort.tests)]
+    room = Room.of(scene, layer)
+    table = table[_in_sight(room, thing, rays, table[:, 10:], effort.tests)]
     if not len(table) and effort.tests < len(rays):
         raise SightError("the camera sees nothing of it, or little.")
     if not len(table):
@@ -231,7 +273,7 @@ def _polygons(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[_
     if isinstance(evaluated.data, bpy.types.Mesh):
         yield _Polygons(evaluated, evaluated.data, None)
         return
-    if thing.type not in ("CURVE", "SURFACE", "FONT", "META"):
+    if thing.type not in POLYGONAL:
         raise SightError("nothing can be foretold of hair and points.")
     mesh = evaluated.to_mesh()
     try:
@@ -243,8 +285,7 @@ def _polygons(thing: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[_
 
 
 def _in_sight(
-    scene: bpy.types.Scene,
-    layer: bpy.types.ViewLayer,
+    room: Room,
     thing: bpy.types.Object,
     rays: list[tuple[Vector, Vector]],
     raster: np.ndarray,
@@ -252,24 +293,20 @@ def _in_sight(
 ) -> np.ndarray:
     """(n,) bool: which rays meet nothing before the object; untested, as the nearest tested one."""
     tested = np.sort(np.random.default_rng(0).permutation(len(rays))[:tests])
-    free = np.array([_is_free(scene, layer, thing, *rays[i]) for i in tested])
+    free = np.array([_is_free(room, thing, *rays[i]) for i in tested])
     if len(tested) == len(rays):
         return free
     apart = ((raster[:, None] - raster[tested]) ** 2).sum(axis=-1)
     return free[apart.argmin(axis=1)]
 
 
-def _is_free(
-    scene: bpy.types.Scene,
-    layer: bpy.types.ViewLayer,
-    thing: bpy.types.Object,
-    origin: Vector,
-    direction: Vector,
-) -> bool:
-    """Whether the object is the first on the ray that a render shows."""
-    for found, _ in surfaces_on(scene, layer, origin, direction):
-        if not found.hide_render and found.visible_camera:
-            return found.original == thing
+def _is_free(room: Room, thing: bpy.types.Object, origin: Vector, direction: Vector) -> bool:
+    """Whether the object is the first on the ray that the camera sees."""
+    for found, polygon in room.surfaces_on(origin, direction):
+        if found.original == thing:
+            return True
+        if found.visible_camera and not lets_light_pass(found, polygon):
+            return False
     return False
 
 
@@ -278,23 +315,21 @@ def past(place: Vector, direction: Vector) -> Vector:
     return place + 1e-5 * max(place.length, 1) * direction
 
 
-def surfaces_on(
-    scene: bpy.types.Scene,
-    layer: bpy.types.ViewLayer,
-    origin: Vector,
-    direction: Vector,
-    distance: float = 1e9,
-) -> Iterator[tuple[bpy.types.Object, int]]:
-    """What a ray meets in turn, so far: the evaluated object and its polygon; 16 at most."""
-    end = origin + distance * direction
-    for _ in range(_THROUGH):
-        left = (end - origin).dot(direction)
-        if left <= 0:
-            return
-        hit, place, _, polygon, found, _ = scene.ray_cast(
-            layer.depsgraph, origin, direction, distance=left
-        )
-        if not hit:
-            return
-        yield found, polygon
-        origin = past(place, direction)
+def lets_light_pass(thing: bpy.types.Object, polygon: int) -> bool:
+    """Whether the material there may: what its nodes make of it is not known."""
+    slots = thing.material_slots
+    if not slots or not isinstance(thing.data, bpy.types.Mesh):
+        return False
+    polygons = thing.data.polygons
+    index = polygons[polygon].material_index if 0 <= polygon < len(polygons) else 0
+    found = slots[min(index, len(slots) - 1)].material
+    if found is None or found.node_tree is None:
+        return False
+    for node in found.node_tree.nodes:
+        if node.type in _CLEAR:
+            return True
+        if node.type == "BSDF_PRINCIPLED":
+            alpha = node.inputs["Alpha"]
+            if alpha.is_linked or alpha.default_value < 1:
+                return True
+    return False

@@ -21,6 +21,7 @@ REACH = 0.02  # rad, of the cone about the sun that sparkles: kSkyReach of the c
 # it is five hundred times as bright as the mean. A lamp in a room is wider, or dimmer.
 LEAST_SHARE = 0.05
 _MOST_PIXELS = 2**25  # 8192 x 4096
+_BRIGHTEST = 1000  # pixels, among which the sun is looked for
 _FINER = 4  # steps in a pixel: Cycles interpolates between pixels
 MARK = "metallic_paint_sun"  # of a group that keeps the sun out of a world (sun_lamp.py)
 
@@ -50,7 +51,8 @@ def forget() -> None:
 
 def find(scene: bpy.types.Scene) -> Sun | None:
     """None where there is none, or where what lies between it and the world is not known."""
-    if (parts := shown(scene.world)) is None:
+    world = world_of(scene)
+    if (parts := shown(world)) is None or not world.cycles_visibility.glossy:
         return None
     background, texture = parts
     strength = background.inputs["Strength"]
@@ -65,7 +67,22 @@ def find(scene: bpy.types.Scene) -> Sun | None:
     if spot is None or turned is None:
         return None
     x, y, z = (turned @ Vector(spot.direction)).normalized()
-    return Sun(f"the sun of {scene.world.name_full}", (x, y, z), spot.sine, spot.irradiance)
+    return Sun(f"the sun of {world.name_full}", (x, y, z), spot.sine, spot.irradiance)
+
+
+def worlds(scene: bpy.types.Scene) -> set[bpy.types.World | None]:
+    """Of the view layers in use, each of which may have its own, or none."""
+    return {
+        (getattr(layer, "world_override", None) or scene.world) if layer.use_sky else None
+        for layer in scene.view_layers
+        if layer.use
+    }
+
+
+def world_of(scene: bpy.types.Scene) -> bpy.types.World | None:
+    """That of all view layers in use; None where they differ."""
+    found = worlds(scene)
+    return found.pop() if len(found) == 1 and scene.world else None  # which sun_lamp.py asks for
 
 
 def shown(world: bpy.types.World | None) -> tuple[bpy.types.Node, bpy.types.Node] | None:
@@ -138,9 +155,12 @@ def _of_image(node: bpy.types.ShaderNodeTexEnvironment) -> _Spot | None:
     if image.source not in ("FILE", "GENERATED"):
         return None
     is_known = image.has_data  # not after a reload, and asking for its size loads it
+    stamp = _stamp(image)
+    if image.source == "FILE" and not (is_known or stamp or image.packed_file):
+        return None  # its file is missing, and would be missed again each time
     # Names come again in the next file; this number does not in a session.
     key = (
-        image.session_uid, image.filepath, _stamp(image), tuple(image.size),
+        image.session_uid, image.filepath, stamp, tuple(image.size),
         image.colorspace_settings.name,
     )  # fmt: skip
     if not is_known or key not in _found:
@@ -166,6 +186,10 @@ def _search(image: bpy.types.Image) -> _Spot | None:
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
     colours = pixels.reshape(height, width, image.channels)[:, :, :3]
+    if not image.is_float and image.colorspace_settings.name == "sRGB":
+        colours = np.where(
+            colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** np.float32(2.4)
+        )
     light = np.maximum(np.nan_to_num(colours.mean(axis=2), posinf=0), 0)
     return spot_of(light)
 
@@ -176,8 +200,8 @@ def spot_of(light: np.ndarray) -> _Spot | None:
     polar = math.pi * ((np.arange(height) + 0.5) / height - 0.5)
     pixel = 2 * math.pi / width * math.pi / height
     total = float((light.sum(axis=1) * np.cos(polar)).sum() * pixel)
-    row, column = np.unravel_index(int(light.argmax()), light.shape)
-    # Within the cone about the brightest pixel, and once more about the spot's own centre.
+    row, column = _brightest(light, polar)
+    # Within the cone about that pixel, and about the spot's own centre.
     off = math.ceil(2 * REACH / (math.pi / height)) + 2
     rows = np.arange(max(row - off, 0), min(row + off, height - 1) + 1)
     aside = math.ceil(off / max(math.cos(polar[row]), 1e-3))
@@ -188,13 +212,11 @@ def spot_of(light: np.ndarray) -> _Spot | None:
     patch = np.array([np.interp(finer_rows, rows, each) for each in patch.T]).T
     patch = np.array([np.interp(finer_columns, columns, each) for each in patch])
     up = math.pi * ((finer_rows + 0.5) / height - 0.5)[:, None]
-    turn = -2 * math.pi * ((finer_columns + 0.5) / width - 0.5)[None, :]
-    directions = np.stack(
-        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], axis=-1
-    )
+    turn = _turn(finer_columns, width)[None, :]
+    directions = _directions(up, turn)
     solid_angle = pixel / _FINER**2 * np.cos(up) + 0 * turn
-    centre = directions.reshape(-1, 3)[int(patch.argmax())]
-    for _ in range(2):
+    centre = _directions(polar[row], _turn(column, width))
+    for _ in range(3):
         held = ((directions - centre) ** 2).sum(axis=-1) <= REACH**2
         power = patch * solid_angle * held
         if not power.sum() > 0:
@@ -209,3 +231,25 @@ def spot_of(light: np.ndarray) -> _Spot | None:
     h = min(even / (4 * math.pi), 0.5)
     x, y, z = centre.tolist()
     return _Spot((x, y, z), 2 * math.sqrt(h * (1 - h)), flux)
+
+
+def _brightest(light: np.ndarray, polar: np.ndarray) -> tuple[int, int]:
+    """Row and column of the pixel with most light about it, of the brightest ones: a single pixel
+    may be brighter than the sun."""
+    number = min(_BRIGHTEST, light.size)
+    rows, columns = np.unravel_index(np.argpartition(light, -number, None)[-number:], light.shape)
+    directions = _directions(polar[rows], _turn(columns, light.shape[1]))
+    near = directions @ directions.T >= 1 - REACH**2 / 2
+    best = int((near @ (light[rows, columns] * np.cos(polar[rows]))).argmax())
+    return int(rows[best]), int(columns[best])
+
+
+def _turn(column: np.ndarray | int, width: int) -> np.ndarray:
+    return -2 * math.pi * (np.asarray(column + 0.5) / width - 0.5)
+
+
+def _directions(up: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """(..., 3)."""
+    return np.stack(
+        [np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0 * turn], axis=-1
+    )
