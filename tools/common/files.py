@@ -43,9 +43,8 @@ def whole(path: Path) -> Iterator[Path]:
 
     A symbolic link stays one: what it names is written.
     """
-    suffix = path.suffix[
-        :8
-    ]  # by which a picture's form is chosen; long names have no room for more
+    # A picture's form is chosen by its suffix; long names have no room for more.
+    suffix = path.suffix[:8]
     path = Path(os.path.realpath(path))
     beside = path.with_name(f".{os.getpid()}-{next(_numbers)}{suffix}")
     _unfinished[beside] = [folder for folder in path.parents if not folder.exists()]
