@@ -87,7 +87,7 @@ BAD = {
         '{"schema_version": 1, "paint": {"second": {"coating": "lead"}}}',
         "paint.second.coating is 'lead', but must be colors, aluminium"),
     "an unknown field": ('{"schema_version": 1, "paint": {"glitter": 1}}', "paint.glitter"),
-    "NaN": ('{"schema_version": 1, "paint": {"tilt": NaN}}', "NaN is no number"),
+    "NaN": ('{"schema_version": 1, "paint": {"tilt": NaN}}', "paint.tilt is nan, but must be from"),
     "a future version": ('{"schema_version": 99, "paint": {}}', "schema_version is 99"),
 }  # fmt: skip
 
