@@ -24,7 +24,7 @@ from typing import Literal
 import bpy
 
 from .paint import material
-from .scene import lights, needs, sun_lamp, wiring
+from .scene import lights, needs, placed, sun_lamp, wiring
 
 NAME = "Metallic Paint Denoise"
 LIGHT_GROUP = "Sparkles"
@@ -52,7 +52,7 @@ def why_not(scene: bpy.types.Scene) -> str:
         return "The scene does not render with Cycles"
     if foreign := _foreign_nodes(scene):
         return foreign
-    if len(lights.used_layers(scene)) != 1:
+    if len(placed.used_layers(scene)) != 1:
         return "One view layer must render: compositing several is the artist's choice"
     if names := [name for name in _painted() if not _in_cryptomatte(name)]:
         listed = ", ".join(f"“{name}”" for name in names)
@@ -321,7 +321,7 @@ def _is_ours(tree: bpy.types.NodeTree | None) -> bool:
 
 def _layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
     """The one that renders."""
-    return lights.used_layers(scene)[0]
+    return placed.used_layers(scene)[0]
 
 
 def _foreign_nodes(scene: bpy.types.Scene) -> str:

@@ -26,7 +26,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..paint import live, material
-from . import lights, needs, sky
+from . import lights, needs, placed, sky
 
 REST_SECONDS = 0.3
 
@@ -99,7 +99,7 @@ def _fit(scene: bpy.types.Scene) -> None:
     if hasattr(scene, "cycles") and not needs.is_fitting():
         if not needs.is_fitted(scene):
             needs.fit(scene)
-        for layer in lights.used_layers(scene):
+        for layer in placed.used_layers(scene):
             lights.renew(layer.depsgraph)
         _state.trouble = ""
 

@@ -159,7 +159,7 @@ def fill(scene: bpy.types.Scene) -> Report:
     lights of the scene filled last.
     """
     group = _one_group()
-    layers = used_layers(scene)
+    layers = placed.used_layers(scene)
     for layer in layers:
         layer.update()
     without: dict[Placed, str] = {}
@@ -448,11 +448,6 @@ def linked_files() -> tuple[str, ...]:
 # --- which lights ------------------------------------------------------------------------------
 
 
-def used_layers(scene: bpy.types.Scene) -> list[bpy.types.ViewLayer]:
-    """Those that a render makes."""
-    return [layer for layer in scene.view_layers if layer.use]
-
-
 # --- the brightest -----------------------------------------------------------------------------
 
 
@@ -504,7 +499,16 @@ def is_painted(thing: bpy.types.Object) -> bool:
 
 def uses_paint(scene: bpy.types.Scene) -> bool:
     """Whether an object of the scene, or of a collection that it shows as instances, is painted."""
+    return _shows_any(scene, showing_paint(editable=False))
+
+
+def painted_scenes() -> list[bpy.types.Scene]:
+    """Those that use paint."""
     painted = showing_paint(editable=False)
+    return [each for each in bpy.data.scenes if _shows_any(each, painted)]
+
+
+def _shows_any(scene: bpy.types.Scene, painted: set[bpy.types.Object]) -> bool:
     collections = [scene.collection]
     for collection in collections:
         things = collection.all_objects

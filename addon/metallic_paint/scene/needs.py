@@ -90,7 +90,7 @@ def fit(scene: bpy.types.Scene) -> Needs:
     try:
         live.keep_apart()
         report = lights.fill(scene)
-        things = _things(lights.used_layers(scene))
+        things = _things(placed.used_layers(scene))
         other_light = tuple(_other_light(scene, report, things))
         needs = Needs(report, other_light, library=lights.why_library())
         of_lamps = bool(report.without) or not {_WIDE, _SET}.isdisjoint(other_light)
@@ -113,9 +113,9 @@ def is_fitting() -> bool:
 
 def scene_to_fit(scene: bpy.types.Scene) -> bpy.types.Scene:
     """This one, unless only others use paint: of these the one fitted last, or the first."""
-    if lights.uses_paint(scene):
+    painted = {each.name_full: each for each in lights.painted_scenes()}
+    if scene.name_full in painted:
         return scene
-    painted = {each.name_full: each for each in bpy.data.scenes if lights.uses_paint(each)}
     last = next((group.get(_SCENE) for group in lights.groups()), "")
     return painted.get(last) or next(iter(painted.values()), scene)
 
@@ -155,7 +155,7 @@ def _fingerprint(scene: bpy.types.Scene) -> str:
 
     Places of lamps and paints count only where fit asks for them.
     """
-    layers = lights.used_layers(scene)
+    layers = placed.used_layers(scene)
     things = _things(layers)
     lamps, shapes = _lamps(things), _shapes(things)
     worlds = sky.worlds(scene)

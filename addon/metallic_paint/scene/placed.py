@@ -53,6 +53,11 @@ def rendered(layer: bpy.types.ViewLayer, *, ever: bool = False) -> Iterator[bpy.
                 yield thing
 
 
+def used_layers(scene: bpy.types.Scene) -> list[bpy.types.ViewLayer]:
+    """Those that a render makes."""
+    return [layer for layer in scene.view_layers if layer.use]
+
+
 def unrendered(layer: bpy.types.ViewLayer) -> set[bpy.types.Object]:
     """The objects of a view layer that a render does not show."""
     return {*layer.objects}.difference(rendered(layer))
@@ -106,7 +111,7 @@ def instances(depsgraph: bpy.types.Depsgraph) -> Iterator[Placed]:
     """
     shown = {*rendered(depsgraph.view_layer)}
     of_collections: dict[tuple[bpy.types.Object, bpy.types.Object], list[Matrix]] = {}
-    for instancer in shown:
+    for instancer in (each for each in shown if each.instance_type == "COLLECTION"):
         for each, renders in _held(instancer, depsgraph):
             of_collections.setdefault((instancer, each.lamp), []).append(each.matrix)
             if renders:

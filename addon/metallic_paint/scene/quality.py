@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..paint import PaintError, material
-from . import lights, placed
+from . import placed
 
 _Settings = dict[str, bool | int | float]  # values of scene.cycles by their names there
 
@@ -127,7 +127,7 @@ def _shown(value: bool | int | float) -> str:
 
 
 def _inexact_paints(scene: bpy.types.Scene) -> Iterator[str]:
-    layers = lights.used_layers(scene)
+    layers = placed.used_layers(scene)
     things = {thing: None for layer in layers for thing in placed.rendered(layer)}
     slots = [slot.material for thing in things for slot in thing.material_slots]
     for painted in dict.fromkeys(slots):

@@ -52,7 +52,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
         (INFO, f"No driver follows {name}: a render without the add-on has its sparkles as now.")
         for name in dict.fromkeys(each.name for each in fitted.lights.placed if not each.followed)
     ]
-    layers = lights.used_layers(scene)
+    layers = placed.used_layers(scene)
     for layer in layers:
         layer.update()  # fit may have had nothing to do
     lines += [(WARNING, text) for text in map(reach.overridden, layers) if text]
@@ -67,7 +67,7 @@ def report(scene: bpy.types.Scene) -> list[Line]:
             lines.append((INFO, "Painted only as instances: nothing can be foretold."))
         else:
             lines.append((WARNING, "No object that renders is painted."))
-    if sum(map(lights.uses_paint, bpy.data.scenes)) > 1:
+    if len(lights.painted_scenes()) > 1:
         text = (
             "More than one scene uses paints, which have the lights of one at a time: "
             "without this add-on, the scene that was fitted or saved last."
@@ -127,7 +127,7 @@ def _render_settings(scene: bpy.types.Scene) -> Iterator[Line]:
 def _lamps_of_sets(scene: bpy.types.Scene) -> Iterator[Line]:
     behind = scene.background_set
     while behind:
-        shown = (each for layer in lights.used_layers(behind) for each in placed.rendered(layer))
+        shown = (each for layer in placed.used_layers(behind) for each in placed.rendered(layer))
         if any(each.type == "LIGHT" for each in shown):
             yield WARNING, f"The lights of the Background Set {behind.name} make no sparkles."
         behind = behind.background_set

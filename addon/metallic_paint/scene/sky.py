@@ -16,6 +16,8 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix, Vector
 
+from . import placed
+
 REACH = 0.02  # rad, of the cone about the sun that sparkles: kSkyReach of the core
 # Of all the image's light, what that cone must have to hold a sun. It fills 1e-4 of the sphere: so
 # it is five hundred times as bright as the mean. A lamp in a room is wider, or dimmer.
@@ -74,8 +76,7 @@ def worlds(scene: bpy.types.Scene) -> set[bpy.types.World | None]:
     """Of the view layers in use, each of which may have its own, or none."""
     return {
         (getattr(layer, "world_override", None) or scene.world) if layer.use_sky else None
-        for layer in scene.view_layers
-        if layer.use
+        for layer in placed.used_layers(scene)
     }
 
 

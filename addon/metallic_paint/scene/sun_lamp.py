@@ -41,7 +41,7 @@ def why_not(scene: bpy.types.Scene) -> str:
     if _turns(world.node_tree):
         return "the world turns"
     if any(not layer.use_sky or getattr(layer, "world_override", None)
-           for layer in scene.view_layers if layer.use):  # fmt: skip
+           for layer in placed.used_layers(scene)):  # fmt: skip
         return "the view layer does not show the scene's world"
     for other in bpy.data.scenes:
         if other.world == world and other != scene and not _lamps(other):
@@ -137,7 +137,7 @@ def remove(scene: bpy.types.Scene, others: Collection[bpy.types.Scene]) -> None:
 
 
 def _renders(lamp: bpy.types.Object, scene: bpy.types.Scene) -> bool:
-    return all(lamp in placed.rendered(layer) for layer in scene.view_layers if layer.use)
+    return all(lamp in placed.rendered(layer) for layer in placed.used_layers(scene))
 
 
 def _lamps(scene: bpy.types.Scene) -> list[bpy.types.Object]:

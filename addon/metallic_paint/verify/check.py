@@ -194,7 +194,7 @@ def check(
 
 
 def _as_instances(scene: bpy.types.Scene, thing: bpy.types.Object) -> str:
-    layers = [each for each in scene.view_layers if each.use]
+    layers = placed.used_layers(scene)
     for layer in layers:
         layer.update()
     shown = any(thing in set(placed.instanced(layer)) for layer in layers)
@@ -218,7 +218,7 @@ class _Probe(Probe):
 
 def _make_real(scene: bpy.types.Scene, found: tuple[placed.Placed, ...]) -> list[bpy.types.Object]:
     """Lamps that can be lit one by one, in place of instances, which go dark; the slots stay."""
-    instanced = {each.lamp for each in placed.instances_in(lights.used_layers(scene))}
+    instanced = {each.lamp for each in placed.instances_in(placed.used_layers(scene))}
     lamps = [each.lamp.copy() if each.lamp in instanced else each.lamp for each in found]
     for lamp in instanced:
         lamp.data = lamp.data.copy()
