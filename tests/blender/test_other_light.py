@@ -18,6 +18,7 @@ from metallic_paint import verify
 from metallic_paint.native import core_lights
 from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint, material, presets
 from metallic_paint.scene import lights, needs
+from scenery import WIDTH as IMAGE_WIDTH
 from scenery import disc, solid_angles, world_of
 from verification import scenes
 
@@ -410,6 +411,14 @@ def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> No
 
 IMAGE_SUN = 0.01  # rad, its radius: seven pixels of the image across
 IMAGE_ERROR = 0.002  # of the flux of so few pixels, which Cycles interpolates
+# Rad, two of its pixels. So near the sun's rim a mirror shows what they interpolate, which the core
+# has not: 6 % of a paint was seen. Further in and further out it is as elsewhere.
+IMAGE_RIM = 2 * 2 * math.pi / IMAGE_WIDTH
+
+
+def at_rim(sun: np.ndarray, mirrored_view: np.ndarray) -> bool:
+    angle = 2 * math.asin(float(np.linalg.norm(sun - mirrored_view)) / 2)
+    return abs(angle - IMAGE_SUN) < IMAGE_RIM
 
 
 @pytest.mark.parametrize("k", some(range(len(PAINTS)), 10))
@@ -419,7 +428,7 @@ def test_the_mean_under_an_image_with_a_sun_is_the_cores(k: int) -> None:
     probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
     scene, view = probe.scene, view_of(probe)
     random, lit = seeds.fresh(400 + k), None
-    while lit is None or lit[2] < 0.2:
+    while lit is None or lit[2] < 0.2 or at_rim(lit, view * [-1, -1, 1]):
         lit = mirrored(paint, view, paint.tilt * random.uniform(0, 1), random)
     radiance = rest + strength / (math.pi * IMAGE_SUN**2)
     image = disc(lit, IMAGE_SUN, radiance, rest)
