@@ -730,7 +730,9 @@ def test_a_sun_that_other_scenes_show_or_that_turns_stays_in_its_world() -> None
     if bpy.app.version >= (5, 0):
         layer.world_override = scene.world.copy()
         assert "does not show the scene's world" in "\n".join(denoise.set_up(scene))
-        layer.world_override = None
+        sunny, scene.world = scene.world, None
+        assert "does not show the scene's world" in "\n".join(denoise.set_up(scene))
+        layer.world_override, scene.world = None, sunny
     tree = scene.world.node_tree
     turn = tree.nodes.new("ShaderNodeMapping")
     tree.links.new(turn.outputs[0], tree.nodes["Image"].inputs["Vector"])

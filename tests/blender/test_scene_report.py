@@ -615,6 +615,24 @@ def test_a_clear_pane_before_the_camera_is_no_wall() -> None:
     assert "flakes a pixel" in said(scene, "INFO")
 
 
+def test_a_card_that_only_shines_is_a_wall() -> None:
+    scene = build()
+    card = add_roof()
+    card.data.materials.append(bpy.data.materials.new("Card"))
+    tree = card.active_material.node_tree
+    if tree is None:
+        card.active_material.use_nodes = True
+        tree = card.active_material.node_tree
+    tree.nodes.clear()
+    out = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(tree.nodes.new("ShaderNodeEmission").outputs[0], out.inputs["Surface"])
+    assert "Roof keeps" in bad(scene)
+    add = tree.nodes.new("ShaderNodeAddShader")
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], add.inputs[0])
+    tree.links.new(add.outputs[0], out.inputs["Surface"])
+    assert bad(scene) == ""
+
+
 def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])

@@ -185,6 +185,8 @@ def test_the_worlds_sun_is_that_of_the_view_layers_in_use() -> None:
     assert sky.find(scene) is None
     layer.world_override, scene.world = sunny, layer.world_override
     assert sky.find(scene).name == "the sun of World"
+    scene.world = None
+    assert sky.find(scene).name == "the sun of World"
     scene.view_layers.new("Other")
     assert sky.find(scene) is None  # paints cannot have both
 

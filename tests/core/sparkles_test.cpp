@@ -374,17 +374,6 @@ TEST(Sparkles, FluctuationFollowsTheSquareRootOfTheArea) {
   worst.expect_at_most(1e-12);
 }
 
-TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {
-  Random random = fresh(31);
-  TestScene scene = random_scene(random);
-  scene.paint.depth_model = DepthModel::attenuated;
-  const Rgb<double> slant{0.5, 1, 2};
-  const auto expected =
-      expect_sparkles(scene.layer<double>(), scene.point<double>(), scene.seen<double>(), &slant);
-  EXPECT_EQ(expected.slant.x, 0.5);
-  EXPECT_EQ(expected.slant.z, 2);
-}
-
 // A flat paint seen from 30 degrees with the light in the mirror direction: nothing else special.
 TestScene plain_scene() {
   TestScene scene;
@@ -394,6 +383,16 @@ TestScene plain_scene() {
   scene.light_sine = 0.01;
   scene.footprint = 1e-6;
   return scene;
+}
+
+TEST(Sparkles, GivenOpticalDepthReplacesTheLayersOwn) {
+  TestScene scene = plain_scene();
+  scene.paint.depth_model = DepthModel::attenuated;
+  const Rgb<double> slant{0.5, 1, 2};
+  const auto expected =
+      expect_sparkles(scene.layer<double>(), scene.point<double>(), scene.seen<double>(), &slant);
+  EXPECT_EQ(expected.slant.x, 0.5);
+  EXPECT_EQ(expected.slant.z, 2);
 }
 
 TEST(Sparkles, PublishedRuleIsBernoulliBelowATenth) {

@@ -28,7 +28,7 @@ _VISITS = 250_000  # of objects, by a report's rays through the scene: about a q
 _FEWEST_TESTS = 8  # rays through the scene for one object
 _THROUGH = 16  # surfaces that a ray may pass
 POLYGONAL = ("MESH", "CURVE", "SURFACE", "FONT", "META")
-_CLEAR = ("BSDF_TRANSPARENT", "EMISSION", "HOLDOUT")  # nodes by which light passes a material
+_CLEAR = ("BSDF_TRANSPARENT", "HOLDOUT")  # nodes by which light passes a material
 
 
 class SightError(ValueError):

@@ -83,7 +83,7 @@ def worlds(scene: bpy.types.Scene) -> set[bpy.types.World | None]:
 def world_of(scene: bpy.types.Scene) -> bpy.types.World | None:
     """That of all view layers in use; None where they differ."""
     found = worlds(scene)
-    return found.pop() if len(found) == 1 and scene.world else None  # which sun_lamp.py asks for
+    return found.pop() if len(found) == 1 else None
 
 
 def shown(world: bpy.types.World | None) -> tuple[bpy.types.Node, bpy.types.Node] | None:

@@ -30,6 +30,9 @@ def is_one(lamp: bpy.types.Object) -> bool:
 
 def why_not(scene: bpy.types.Scene) -> str:
     """What keeps the sun that sky.find finds from a lamp, in words; empty where nothing does."""
+    if any(not layer.use_sky or getattr(layer, "world_override", None)
+           for layer in placed.used_layers(scene)):  # fmt: skip
+        return "the view layer does not show the scene's world"
     world = scene.world
     if not world.is_editable or world.override_library:
         return "the world is of another file"
@@ -40,9 +43,6 @@ def why_not(scene: bpy.types.Scene) -> str:
         return "nodes decide on the world's Strength"
     if _turns(world.node_tree):
         return "the world turns"
-    if any(not layer.use_sky or getattr(layer, "world_override", None)
-           for layer in placed.used_layers(scene)):  # fmt: skip
-        return "the view layer does not show the scene's world"
     for other in bpy.data.scenes:
         if other.world == world and other != scene and not _lamps(other):
             return f"the scene {other.name} has the same world"
