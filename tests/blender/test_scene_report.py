@@ -617,12 +617,9 @@ def test_a_clear_pane_before_the_camera_is_no_wall() -> None:
 
 def test_a_card_that_only_shines_is_a_wall() -> None:
     scene = build()
-    card = add_roof()
-    card.data.materials.append(bpy.data.materials.new("Card"))
-    tree = card.active_material.node_tree
-    if tree is None:
-        card.active_material.use_nodes = True
-        tree = card.active_material.node_tree
+    card = new_material("Card")
+    add_roof().data.materials.append(card)
+    tree = card.node_tree
     tree.nodes.clear()
     out = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(tree.nodes.new("ShaderNodeEmission").outputs[0], out.inputs["Surface"])
@@ -645,10 +642,15 @@ def test_a_roof_before_a_sky_is_named_where_its_sun_has_a_slot() -> None:
     assert shadow not in bad(scene)
 
 
+def new_material(name: str) -> bpy.types.Material:
+    made = bpy.data.materials.new(name)
+    if made.node_tree is None:
+        made.use_nodes = True
+    return made
+
+
 def clear_material() -> bpy.types.Material:
-    clear = bpy.data.materials.new("Clear")
-    if clear.node_tree is None:
-        clear.use_nodes = True
+    clear = new_material("Clear")
     clear.node_tree.nodes.new("ShaderNodeBsdfPrincipled").inputs["Alpha"].default_value = 0.5
     return clear
 

@@ -445,9 +445,6 @@ def linked_files() -> tuple[str, ...]:
     return tuple(sorted({each.library.filepath for each in linked}))
 
 
-# --- which lights ------------------------------------------------------------------------------
-
-
 # --- the brightest -----------------------------------------------------------------------------
 
 

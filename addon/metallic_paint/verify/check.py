@@ -106,7 +106,7 @@ def check(
     import metallic_paint_core as core
 
     layer = next(
-        (each for each in scene.view_layers if each.use and thing in set(placed.rendered(each))),
+        (each for each in placed.used_layers(scene) if thing in set(placed.rendered(each))),
         None,
     )
     if layer is None:
