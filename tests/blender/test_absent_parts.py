@@ -6,6 +6,8 @@ from __future__ import annotations
 import pytest
 from bench import absent_parts
 
+pytestmark = pytest.mark.long
+
 CUTS = {**absent_parts.cuts(), **absent_parts.PRESENT}
 
 

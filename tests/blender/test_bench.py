@@ -19,6 +19,8 @@ from common.report_folder import BENCH, REPORT
 from metallic_paint.paint import Paint, material, presets
 from verification import scenes
 
+pytestmark = pytest.mark.long
+
 SECONDS = 1800  # a quick run that takes longer hangs
 
 
@@ -62,7 +64,6 @@ def test_more_flakes_of_the_same_coverage_sparkle_as_many_times() -> None:
     assert many / few == pytest.approx(1e12, rel=1e-3)
 
 
-@pytest.mark.long
 def test_a_report_holds_every_part_and_its_bars(tmp_path: Path) -> None:
     out, file = tmp_path / "new" / "bench", tmp_path / "bars.json"
     command = [ROOT / "paint", "bench", "--quick", "--out", out, "--json", file]

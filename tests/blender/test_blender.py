@@ -9,8 +9,6 @@ import OpenImageIO
 import oslquery
 import pytest
 
-pytestmark = pytest.mark.every_blender
-
 
 @pytest.mark.parametrize("package", [OpenImageIO, oslquery])
 def test_image_and_shader_libraries_are_blenders_own(package: ModuleType) -> None:

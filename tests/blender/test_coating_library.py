@@ -13,6 +13,8 @@ import pytest
 from common.processes import ROOT
 from metallic_paint import verify
 
+pytestmark = pytest.mark.long
+
 SIZE = 64
 
 # Thickness from left to right, cosine upwards, from end to end.

@@ -301,7 +301,6 @@ def test_a_lamp_renamed_since_leaves_the_light_group(registered: None) -> None:
     assert scene.objects["Moon"].lightgroup == ""
 
 
-@pytest.mark.every_blender
 def test_a_view_layer_renamed_since_is_as_before() -> None:
     scene = build()
     needs.fit(scene)
@@ -377,7 +376,6 @@ def test_what_came_since_is_told_until_one_presses_again(registered: None) -> No
     pressed()
 
 
-@pytest.mark.every_blender
 def test_a_switch_that_was_turned_since_is_told_until_one_presses_again() -> None:
     scene = build()
     denoise.set_up(scene)
@@ -537,7 +535,6 @@ def masks(scene: bpy.types.Scene) -> list[bpy.types.Node]:
     return [each for each in scene.world.node_tree.nodes if each.type == "GROUP"]
 
 
-@pytest.mark.every_blender
 def test_the_sun_of_an_image_is_a_lamp_while_denoising(registered: None) -> None:
     """It lights the same, the camera sees the sky as it was, and all is taken back."""
     scene = build()
@@ -650,7 +647,6 @@ if bpy.app.version >= (5, 0):
     CHANGES.append("unset")  # a compositing tree, which belonged to the scene before
 
 
-@pytest.mark.every_blender
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_sun_that_an_artist_changes_is_told_of_until_one_presses_again(
     registered: None, change: str

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import osl_probe
+import pytest
 from metallic_paint import verify
+
+pytestmark = pytest.mark.long
 
 SIZE = 64
 

@@ -196,10 +196,6 @@ def random_paint(chance: random.Random) -> Paint:
         "layer_thickness_um": decades(1e-3, 1e6, zero=0.1),
         "binder_absorption_per_mm": tuple(decades(1e-3, 1e6, zero=0.2) for _ in range(3)),
         "rayleigh_per_mm": decades(1e-3, 1e6, zero=0.5),
-        "diffraction": chance.choice(["none", "disc"]),
-        "depth_model": chance.choice(["attenuated", "thinned"]),
-        "radiometry": chance.choice(["exact", "published"]),
-        "composition": chance.choice(["exact", "published"]),
         "sparkle_contrast": decades(1e-3, 1, zero=0.2),
         "substrate_color": tuple(chance.random() for _ in range(3)),
         "texture_contrast": decades(1e-6, 1, zero=0.5),
@@ -232,6 +228,7 @@ def test_every_paint_is_sound(subtests: pytest.Subtests) -> None:
             check(shown, paint, many.of(i))
 
 
+@pytest.mark.long
 def test_paints_of_constants_are_sound(subtests: pytest.Subtests) -> None:
     """Some of them without links: OSL computes with their values while it compiles."""
     probe = probe_of(SPHERE)
@@ -279,6 +276,7 @@ PLACES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spec", PLACES, ids=lambda spec: spec.name)
 def test_every_place_is_sound(subtests: pytest.Subtests, spec: Scene) -> None:
     probe = probe_of(spec)
@@ -295,6 +293,7 @@ def test_every_place_is_sound(subtests: pytest.Subtests, spec: Scene) -> None:
                 bpy.data.objects.remove(light)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_a_scene_in_another_unit_is_sound(scale: float) -> None:
     """The paint's footprint is in metres, whatever the scene's unit is: only the shader knows."""
@@ -309,6 +308,7 @@ def test_a_scene_in_another_unit_is_sound(scale: float) -> None:
     check_picture(probe, SILVER)
 
 
+@pytest.mark.long
 def test_a_scene_far_from_its_origin_is_sound() -> None:
     """A million units away a float knows places to 6 cm."""
     probe = probe_of(dataclasses.replace(SPHERE, scale=(50, 50, 50), distance=500, width=100))
@@ -317,6 +317,7 @@ def test_a_scene_far_from_its_origin_is_sound() -> None:
     check_picture(probe, SILVER, counts=False)
 
 
+@pytest.mark.long
 def test_the_last_pixels_of_a_huge_picture_are_sound() -> None:
     probe = probe_of(dataclasses.replace(PLANE, lamps=(SUN,)))
     render = probe.scene.render
@@ -328,6 +329,7 @@ def test_the_last_pixels_of_a_huge_picture_are_sound() -> None:
     check_picture(probe, SILVER, counts=False)
 
 
+@pytest.mark.long
 def test_the_first_and_the_last_frame_and_seed_are_drawn() -> None:
     probe = probe_of(SPHERE)
     geometry = geometry_of(probe)
@@ -338,6 +340,7 @@ def test_the_first_and_the_last_frame_and_seed_are_drawn() -> None:
         check(Shown.by(probe), with_paint(seed=seed), geometry, frame=frame)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("smooth", [False, True])
 def test_faces_of_no_area_harm_no_other(smooth: bool) -> None:
     probe = probe_of(SPHERE)

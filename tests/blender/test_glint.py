@@ -14,6 +14,8 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import needs
 from scenery import add_lamp
 
+pytestmark = pytest.mark.long
+
 PIXELS, HALF = 96, 8  # of the picture, and of the region about the glint
 SAMPLES, SHOTS, CONVERGED = 16, 8, 2048
 # Principled's light has a long tail: the deviation of eight of its shots is often half the truth.

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
+from gate import first_of
 from mathutils import Euler
 from metallic_paint import denoise, verify
 from metallic_paint.paint import Paint, material
@@ -87,8 +88,7 @@ def turn(empty: bpy.types.Object) -> None:
     empty.instance_collection.instance_offset = (0.05, -0.1, 0.02)
 
 
-@pytest.mark.every_blender
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", first_of(KINDS))
 def test_a_collection_instance_sparkles_as_the_lamp_itself_would(kind: str) -> None:
     """In every pixel, also after it moved, which drivers alone follow."""
     scene = stage()
@@ -187,7 +187,7 @@ WAYS = (
 )  # fmt: skip
 
 
-@pytest.mark.every_blender
+@pytest.mark.long
 @pytest.mark.parametrize(("way", "kind"), WAYS)
 def test_instances_that_no_driver_follows_sparkle_where_they_are(way: Way, kind: str) -> None:
     """In every pixel as lamps there would, once they are looked at again."""
@@ -215,7 +215,6 @@ def test_instances_that_no_driver_follows_sparkle_where_they_are(way: Way, kind:
     assert unlike(late, real) > 0.1  # or nothing was to be renewed
 
 
-@pytest.mark.every_blender
 def test_what_moves_in_a_swarm_needs_no_new_drivers_and_what_comes_does() -> None:
     scene = stage()
     thing = by_nodes(lamp_of("POINT", location=(0, 0, 0)))
@@ -297,7 +296,6 @@ def test_a_light_of_a_collection_that_is_not_rendered_has_none(way: str) -> None
     assert needs.fit(scene).lights.placed == ()
 
 
-@pytest.mark.every_blender
 @pytest.mark.parametrize("way", ["eye", "viewport", "nested"])
 def test_an_instance_that_the_viewport_hides_sparkles_in_a_render(way: str) -> None:
     scene = stage()
@@ -340,7 +338,7 @@ def test_two_instances_and_the_lamp_itself_have_a_slot_each() -> None:
     assert (directions[2] - turned).length < 1e-6
 
 
-@pytest.mark.every_blender
+@pytest.mark.long
 def test_verify_lights_instances_one_by_one() -> None:
     scene = stage()
     by_nodes(lamp_of("POINT", location=(0, 0, 0.2)))

@@ -131,6 +131,7 @@ def test_a_point_or_spot_light_is_its_position_and_the_radius_of_its_data(
     assert vector == pytest.approx((1, 2, 3))
 
 
+@pytest.mark.long
 def test_cycles_does_not_scale_the_radius_of_a_lamp(place: Place, tmp_path: Path) -> None:
     """Why the slot has the radius of the data, whatever the object's scale."""
     camera_above(64)
@@ -144,6 +145,7 @@ def test_cycles_does_not_scale_the_radius_of_a_lamp(place: Place, tmp_path: Path
     assert pixels == pixels[:1] * 3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "scale", [(1, 1, 1), (1, 2, 0.7), (-1, 1, 1), (1, -1, 1), (-2, 1, 0.5), (0.1, 0.1, 0.1)]
 )
@@ -233,6 +235,7 @@ def test_drivers_round_nothing(turn: float, place: Place, painted: object) -> No
     assert slot(2)[2] == pytest.approx(turn)
 
 
+@pytest.mark.long
 def test_a_light_without_a_size_is_followed(
     place: Place, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
@@ -360,6 +363,7 @@ def appears_at(frame: int, lamp: bpy.types.Object) -> None:
     bpy.context.scene.frame_set(1)
 
 
+@pytest.mark.long
 def test_a_light_that_appears_later_sparkles_then(
     place: Place, painted: object, tmp_path: Path
 ) -> None:
@@ -657,6 +661,7 @@ def test_a_lamp_that_hangs_on_the_painted_object_is_followed(
     assert "cycle" not in "".join(capfd.readouterr()).lower()
 
 
+@pytest.mark.long
 def test_an_object_without_them_shows_the_lights_where_they_stood_when_one_came_last(
     place: Place, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
@@ -839,6 +844,7 @@ os._exit(0)
 """
 
 
+@pytest.mark.long
 def test_a_machine_without_add_on_or_permission_to_run_scripts_follows_animated_lights(
     place: Place, painted: bpy.types.Object, tmp_path: Path
 ) -> None:
@@ -872,6 +878,7 @@ def test_a_machine_without_add_on_or_permission_to_run_scripts_follows_animated_
         assert shown_slots(picture) == pytest.approx(values, abs=1e-5), f"frame {frame}"
 
 
+@pytest.mark.long
 def test_a_machine_without_the_add_on_renders_the_same_picture(
     place: Place, painted: bpy.types.Object, tmp_path: Path
 ) -> None:

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import OpenImageIO
 import pytest
+from gate import first_of
 from metallic_paint import verify
 from metallic_paint.paint import material, presets
 from metallic_paint.scene import carrier, lights, needs
@@ -113,8 +114,7 @@ def shown_elsewhere(folder: Path) -> np.ndarray:
     return OpenImageIO.ImageBuf(str(folder / "there-1.exr")).get_pixels()[::-1, :, :3]
 
 
-@pytest.mark.every_blender
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", first_of(WAYS))
 def test_a_linked_car_is_lit_as_the_appended_one(library: Path, way: str, tmp_path: Path) -> None:
     expected = shown_appended(library, way)
     bring(library, way, link=True)
@@ -137,6 +137,7 @@ def shot(library: Path) -> Path:
     return save(library)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", ["objects", "materials", "collections"])
 def test_an_asset_makes_a_library(shot: Path, what: str) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(shot))
@@ -158,6 +159,7 @@ def test_an_asset_makes_a_library(shot: Path, what: str) -> None:
     assert not lights.linked_files()
 
 
+@pytest.mark.long
 def test_a_paint_of_another_file_keeps_its_lights(shot: Path) -> None:
     """Also on an object that has a slot of another kind where the paint expects a sun."""
     car = bring(shot, "material", link=True)
@@ -174,7 +176,7 @@ def test_a_paint_of_another_file_keeps_its_lights(shot: Path) -> None:
     np.testing.assert_array_equal(shown(scene), expected)
 
 
-@pytest.mark.every_blender
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["object", "instance"])
 def test_an_overridden_car_is_lit_as_the_appended_one(
     library: Path, way: str, tmp_path: Path
@@ -194,6 +196,7 @@ def test_an_overridden_car_is_lit_as_the_appended_one(
     np.testing.assert_array_equal(shown_elsewhere(tmp_path), expected)
 
 
+@pytest.mark.long
 def test_an_overridden_car_with_headlights_keeps_the_shots_lights_once_it_is_saved(
     library: Path, tmp_path: Path
 ) -> None:
@@ -231,6 +234,7 @@ def test_a_slot_that_the_file_lost_is_noticed(library: Path) -> None:
         assert carrier.values() == values
 
 
+@pytest.mark.long
 def test_a_car_that_comes_through_two_files(library: Path, tmp_path: Path) -> None:
     expected = shown_appended(library, "material")
     bring(library, "material", link=True)
@@ -242,6 +246,7 @@ def test_a_car_that_comes_through_two_files(library: Path, tmp_path: Path) -> No
     np.testing.assert_array_equal(shown(bpy.context.scene), expected)
 
 
+@pytest.mark.long
 def test_a_paint_within_a_group(library: Path, tmp_path: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(library))
     nest_paint(bpy.data.materials["Painted"])
@@ -251,6 +256,7 @@ def test_a_paint_within_a_group(library: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(shown(bpy.context.scene), expected)
 
 
+@pytest.mark.long
 def test_it_follows_an_animated_lamp(library: Path) -> None:
     pictures = []
     for link in (False, True):
@@ -271,6 +277,7 @@ def test_it_follows_an_animated_lamp(library: Path) -> None:
     assert (one != other).any()
 
 
+@pytest.mark.long
 def test_the_file_that_a_shot_was_copied_from_may_be_linked(library: Path, tmp_path: Path) -> None:
     """Both have the same number then, until the shot is fitted."""
     expected = shown_appended(library, "object")

@@ -312,7 +312,6 @@ def test_nothing_but_the_explicit_call_changes_the_scenes_engine() -> None:
     assert (scene.render.engine, scene.cycles.shading_system) == ("CYCLES", True)
 
 
-@pytest.mark.every_blender
 def test_a_lit_paint_is_neither_black_nor_infinite(plane: bpy.types.Object, render: Render) -> None:
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     bpy.context.scene.collection.objects.link(sun)
@@ -323,7 +322,6 @@ def test_a_lit_paint_is_neither_black_nor_infinite(plane: bpy.types.Object, rend
     assert picture.mean() > 0.01
 
 
-@pytest.mark.every_blender
 def test_a_saved_file_has_no_undefined_node_and_keeps_the_bytecode(tmp_path: Path) -> None:
     material.create(Paint()).use_fake_user = True
     before = script_node().bytecode
@@ -342,6 +340,7 @@ def test_a_saved_file_has_no_undefined_node_and_keeps_the_bytecode(tmp_path: Pat
 # --- what reaches the shader ------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_an_unconnected_normal_is_the_surfaces(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -354,6 +353,7 @@ def test_an_unconnected_normal_is_the_surfaces(
     np.testing.assert_allclose(render()[8, 8], NORMAL_OF_PLANE, atol=1e-6)
 
 
+@pytest.mark.long
 def test_an_unconnected_normal_is_the_surfaces_inside_an_artists_group_too(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -376,6 +376,7 @@ def test_an_unconnected_normal_is_the_surfaces_inside_an_artists_group_too(
     np.testing.assert_allclose(render()[8, 8], NORMAL_OF_PLANE, atol=1e-6)
 
 
+@pytest.mark.long
 def test_a_connected_normal_is_taken(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -391,6 +392,7 @@ def test_a_connected_normal_is_taken(
     np.testing.assert_allclose(render()[8, 8], NORMAL_OF_PLANE * [1, -1, 1], atol=1e-6)
 
 
+@pytest.mark.long
 def test_an_unconnected_rest_position_is_none_and_a_connected_one_is_taken(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -406,6 +408,7 @@ def test_an_unconnected_rest_position_is_none_and_a_connected_one_is_taken(
     np.testing.assert_array_equal(render()[8, 8], [0.25, 2, 3])
 
 
+@pytest.mark.long
 def test_the_shader_knows_how_long_a_unit_of_the_scene_is(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -420,6 +423,7 @@ def test_the_shader_knows_how_long_a_unit_of_the_scene_is(
     assert render()[8, 8, 0] == 2
 
 
+@pytest.mark.long
 def test_the_shader_knows_the_scenes_frame_where_the_paint_is_new_in_every_frame(
     plane: bpy.types.Object, render: Render, use_source: Callable[[str], None]
 ) -> None:
@@ -489,6 +493,7 @@ def test_a_shader_with_an_unknown_parameter_is_an_error(
         material.node_group()
 
 
+@pytest.mark.long
 def test_a_new_shader_leaves_the_paints_that_are_there_alone(
     use_source: Callable[[str], None],
 ) -> None:

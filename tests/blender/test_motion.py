@@ -14,6 +14,8 @@ from common.processes import ROOT, TOOLS
 from common.report_folder import MOTION, REPORT
 from motion.rows import FILM, FILMED, MEASURED, strip_of
 
+pytestmark = pytest.mark.long
+
 SECONDS = 1200  # a quick run of all motions that takes longer hangs
 
 
@@ -37,7 +39,6 @@ def test_sparkles_ride_on_the_paint_as_it_slides_past(tmp_path: Path) -> None:
     assert rows["nothing moves: share of pixels as in another frame"] == {"surface": 1}
 
 
-@pytest.mark.long
 def test_a_report_holds_film_strips_and_bars(tmp_path: Path) -> None:
     out, file = tmp_path / "new" / "motion", tmp_path / "bars.json"
     done = run(ROOT / "paint", "motion", "--quick", "--out", out, "--json", file)

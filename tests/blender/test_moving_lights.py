@@ -18,6 +18,8 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import needs
 from scenery import add_lamp, show_as_instance
 
+pytestmark = pytest.mark.long
+
 SCRIPT = Path(__file__).with_name("count_programs.py")
 SECONDS = 120
 
@@ -58,7 +60,6 @@ def read(file: Path) -> np.ndarray:
     return OpenImageIO.ImageBuf(str(file)).get_pixels(OpenImageIO.FLOAT)[..., :3]
 
 
-@pytest.mark.every_blender
 def test_lights_that_move_and_frames_that_are_drawn_anew_compile_nothing(
     blend: Path, tmp_path: Path
 ) -> None:

@@ -416,6 +416,7 @@ def expect_same(one: np.ndarray, two: np.ndarray, noise: float = 0.01) -> None:
 BALL = {"shape": "sphere", "scale": (0.15, 0.15, 0.15)}
 
 
+@pytest.mark.long
 def test_under_a_sun_alone_the_picture_misses_nothing() -> None:
     # A mirror would show the sun itself, in a few noisy pixels.
     scene, _ = scene_of((scenes.SUN,), 16, **BALL, paint=Paint(coat_roughness=0.3))
@@ -425,6 +426,7 @@ def test_under_a_sun_alone_the_picture_misses_nothing() -> None:
     expect_same(picture(scene, other_light=False, seed=2), whole)
 
 
+@pytest.mark.long
 def test_left_out_where_it_is_needed_would_be_missed() -> None:
     """The comparison above can fail."""
     scene, _ = scene_of((scenes.SUN,), 16, **BALL)
@@ -434,6 +436,7 @@ def test_left_out_where_it_is_needed_would_be_missed() -> None:
     assert picture(scene, other_light=False, seed=2).mean() < 0.8 * whole.mean()
 
 
+@pytest.mark.long
 def test_without_a_light_that_sparkles_the_slots_are_not_missed() -> None:
     """Black with all left out; under a world, the same whether a far dark sun has a slot or not."""
     scene, _ = scene_of((), 64, **BALL)
@@ -448,6 +451,7 @@ def test_without_a_light_that_sparkles_the_slots_are_not_missed() -> None:
     expect_same(without, picture(scene, other_light=True, seed=2))
 
 
+@pytest.mark.long
 def test_twenty_lights_are_the_sum_of_those_that_sparkle_and_those_that_do_not() -> None:
     names = [f"Sun {i:02}" for i in range(20)]
     suns = [scenes.sun(n, 40 + 2 * i, 18 * i, 6) for i, n in enumerate(names)]
@@ -486,6 +490,7 @@ def plane_to_the_horizon() -> verify.Probe:
     return verify.Probe(scene, [plane.active_material])
 
 
+@pytest.mark.long
 def test_far_away_the_mean_takes_over_without_a_seam() -> None:
     probe = plane_to_the_horizon()
     hit = probe.geometry().hit

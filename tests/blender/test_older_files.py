@@ -47,7 +47,6 @@ def test_update_lets_its_sparkles_ride_and_says_so(scene: bpy.types.Scene) -> No
     assert material.paint_of(node_in(scene)) == paint
 
 
-@pytest.mark.every_blender
 def test_with_the_anchor_set_back_the_updated_picture_is_the_old_one(
     scene: bpy.types.Scene,
 ) -> None:
@@ -122,7 +121,6 @@ def test_a_muted_link_stays_muted(scene: bpy.types.Scene) -> None:
     assert node.outputs["BSDF"].links[0].is_muted
 
 
-@pytest.mark.every_blender
 def test_an_overridden_paint_stays(scene: bpy.types.Scene, tmp_path: Path) -> None:
     """Opened again, it had the values of the old sockets on today's of the same numbers."""
     painted = override_paint(scene.objects["Sphere"], tmp_path / "theirs.blend")

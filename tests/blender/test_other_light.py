@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
 from statistics import NormalDist
 
 import bpy
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 import seeds
 from bench import materials as bench_materials
+from gate import first_of
 from metallic_paint import verify
 from metallic_paint.native import core_lights
 from metallic_paint.paint import COATINGS, NO_FLAKES, Flakes, Paint, core_paint, material, presets
@@ -351,15 +351,7 @@ def show_pixels_of(pixel_m2: float, view: np.ndarray) -> float:
     return pixel_m2
 
 
-# The second Blender has the same shader: a few paints show that it runs it alike.
-def some(numbers: Iterable[int], step: int) -> list[object]:
-    """Of these paints every so many; the others with --all."""
-    return [
-        pytest.param(k, marks=[pytest.mark.long] if i % step else []) for i, k in enumerate(numbers)
-    ]
-
-
-@pytest.mark.parametrize("k", some(range(len(PAINTS)), 5))
+@pytest.mark.parametrize("k", first_of(range(len(PAINTS))))
 def test_the_mean_under_each_light_is_the_cores_and_all_lights_add(k: int) -> None:
     paint = PAINTS[k]
     probe = scene_with(paint, PIXELS, elevation=ELEVATIONS[k], width=WIDTH)
@@ -420,7 +412,8 @@ def at_rim(sun: np.ndarray, mirrored_view: np.ndarray) -> bool:
     return abs(np.linalg.norm(sun - mirrored_view) - IMAGE_SUN) < IMAGE_RIM
 
 
-@pytest.mark.parametrize("k", some(range(len(PAINTS)), 10))
+@pytest.mark.long
+@pytest.mark.parametrize("k", range(len(PAINTS)))
 def test_the_mean_under_an_image_with_a_sun_is_the_cores(k: int) -> None:
     """That of the sun as a light of its own, and that of the rest of the world."""
     paint, rest, strength = PAINTS[k], 0.5, 3.0
@@ -449,7 +442,8 @@ def test_the_mean_under_an_image_with_a_sun_is_the_cores(k: int) -> None:
 # --- its parts ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("k", some((3, 11, 19), 3))
+@pytest.mark.long
+@pytest.mark.parametrize("k", [3, 11, 19])
 def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> None:
     probe = scene_with(PAINTS[k], elevation=ELEVATIONS[k])
     add_world(1.0)
@@ -457,7 +451,8 @@ def test_under_a_world_of_one_radiance_the_flakes_show_their_albedo(k: int) -> N
     expect_equal(probe.image(verify.LOBE), expected, bias=QUADRATURE * expected)
 
 
-@pytest.mark.parametrize("k", some(range(len(PAINTS)), 5))
+@pytest.mark.long
+@pytest.mark.parametrize("k", range(len(PAINTS)))
 def test_a_smooth_lobe_beside_random_flakes_keeps_the_light_under_a_world(k: int) -> None:
     probe = scene_with(PAINTS[k], elevation=ELEVATIONS[k])
     add_world(1.0)
@@ -517,6 +512,7 @@ def calm(preset: str) -> bpy.types.Material:
     return material.create(dataclasses.replace(presets.load(preset), sparkle_contrast=0))
 
 
+@pytest.mark.long
 def test_under_softboxes_it_is_little_noisier_than_a_coated_metal() -> None:
     stage(((0.5, -0.4, 0.4), 0.5), ((-0.6, -0.2, 0.3), 0.4))
     metal = noise_on_ball(bench_materials.principled())
@@ -525,6 +521,7 @@ def test_under_softboxes_it_is_little_noisier_than_a_coated_metal() -> None:
         assert noise_on_ball(calm(name)) < 1.5 * metal
 
 
+@pytest.mark.long
 def test_pixels_without_sparkles_show_a_softbox_as_well() -> None:
     stage(((0.5, -0.4, 0.4), 0.5))
     # It is listed, hence may be shown by sparkles alone, and is too dark to be seen itself.
@@ -546,12 +543,14 @@ def test_pixels_without_sparkles_show_a_softbox_as_well() -> None:
 NEAR = (0.08, -0.22, 0.21), 0.1
 
 
+@pytest.mark.long
 def test_the_coats_image_of_a_lamp_near_by_is_found_by_few_samples() -> None:
     stage(NEAR)
     # 0.37 was measured; where rays meet the image as seldom as the coat is dim, 1.1.
     assert noise_on_ball(calm("candy-red")) < 0.7 * noise_on_ball(bench_materials.principled())
 
 
+@pytest.mark.long
 def test_the_coats_image_of_a_lamp_keeps_its_light() -> None:
     stage(NEAR)
     paint = calm("candy-red")
@@ -567,7 +566,8 @@ def test_the_coats_image_of_a_lamp_keeps_its_light() -> None:
     assert error < 0.003 * mirror.mean()
 
 
-@pytest.mark.parametrize("k", some(range(2, len(PAINTS), 4), 5))
+@pytest.mark.long
+@pytest.mark.parametrize("k", range(2, len(PAINTS), 4))
 def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
     paint = PAINTS[k]
     probe = scene_with(paint, elevation=ELEVATIONS[k])
@@ -584,6 +584,7 @@ def test_what_is_scattered_several_times_is_the_cores(k: int) -> None:
         np.testing.assert_allclose(shown, wanted, rtol=0, atol=1e-4)
 
 
+@pytest.mark.long
 def test_no_listed_light_is_seen_in_the_lobe() -> None:
     lamps = (
         scenes.sun("Sun", 60, 110, 5.0),
@@ -596,6 +597,7 @@ def test_no_listed_light_is_seen_in_the_lobe() -> None:
     assert probe.image(verify.LOBE).max() == 0
 
 
+@pytest.mark.long
 def test_a_light_beyond_the_slots_lights_the_mean() -> None:
     paint = Paint(tilt=0.3)
     probe = scene_with(paint, elevation=60)

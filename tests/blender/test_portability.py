@@ -20,6 +20,8 @@ from metallic_paint.paint import material, presets
 from metallic_paint.scene import needs
 from scenery import add_lamp
 
+pytestmark = pytest.mark.long
+
 SIZE = 64
 FRAMES = (1, 20)
 SECONDS = 300

@@ -111,6 +111,7 @@ def test_where_the_shader_runs_it_is_all_that_shows() -> None:
     assert by_angle(mixed).min() > 0
 
 
+@pytest.mark.long
 def test_where_the_shader_runs_cycles_drops_it_before_osl_compiles() -> None:
     statistics = subprocess.run(
         [sys.executable, TOOLS, "bench.show_operations", "the paint"],
@@ -125,6 +126,7 @@ def test_where_the_shader_runs_cycles_drops_it_before_osl_compiles() -> None:
 # --- without it ------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_presets_look_like_their_mean(subtests: pytest.Subtests) -> None:
     """The limits are 1.3 times what is measured: noise of 32 samples, and Blenders differ."""
     painted = ball(Paint(), shader_runs=False)
@@ -138,6 +140,7 @@ def test_presets_look_like_their_mean(subtests: pytest.Subtests) -> None:
     assert math.sqrt(np.mean(np.square(list(errors.values())))) < 0.018
 
 
+@pytest.mark.long
 def test_random_paints_look_like_their_mean() -> None:
     random = seeds.fresh(1)
     painted = ball(Paint(), shader_runs=False)
@@ -150,6 +153,7 @@ def test_random_paints_look_like_their_mean() -> None:
     assert math.sqrt(np.mean(np.square(errors))) < 0.04
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model_scale", [0.3, 1, 10])
 def test_glitter_leaves_the_mean_near_and_far(model_scale: float) -> None:
     """The smallest ring finds some 3000 cells, each of which varies by 0.8 or less: 1.5 % of it."""
@@ -161,6 +165,7 @@ def test_glitter_leaves_the_mean_near_and_far(model_scale: float) -> None:
     assert glittering == pytest.approx(by_angle(render(bpy.context.scene)), abs=0.05)
 
 
+@pytest.mark.long
 def test_glitter_shows_near_by_and_melts_with_distance() -> None:
     """Under a sun, beside a paint without any: the brightness stays."""
     painted = ball(presets.load("silver-coarse"), shader_runs=False)
@@ -184,6 +189,7 @@ def test_glitter_shows_near_by_and_melts_with_distance() -> None:
     assert glitter[-1] < 0.01
 
 
+@pytest.mark.long
 def test_no_paint_is_black_or_shines() -> None:
     """Anything that a socket may hold, drawn from its whole range; glitter has its own tests."""
     random = seeds.fresh(2)
@@ -209,6 +215,7 @@ def test_no_paint_is_black_or_shines() -> None:
         assert 0 < shown.min() <= shown.max() < 1.1
 
 
+@pytest.mark.long
 def test_every_socket_that_decides_the_mean_reaches_it() -> None:
     tree = material.node_group()
     mix = next(node for node in tree.nodes if node.type == "MIX_SHADER")
@@ -231,6 +238,7 @@ def test_every_socket_that_decides_the_mean_reaches_it() -> None:
     assert labels == decide | {material.NORMAL, material.COAT_NORMAL, material.MODEL_SCALE}
 
 
+@pytest.mark.long
 def test_a_texture_in_a_socket_shows() -> None:
     paint = dataclasses.replace(Paint(), flakes_per_mm2=6000)
     painted = ball(dataclasses.replace(paint, flake_color=(0.9, 0.2, 0.1)), shader_runs=False)

@@ -55,6 +55,7 @@ def build() -> bpy.types.Scene:
     return scene
 
 
+@pytest.mark.long
 def test_each_is_nearer_to_the_truth() -> None:
     scene = build()
     verify.write_floats(scene, "OPEN_EXR")
@@ -144,7 +145,6 @@ def alone(scene: bpy.types.Scene) -> list[float]:
     return [getattr(scene.cycles, name) for name in ALONE]
 
 
-@pytest.mark.every_blender
 @pytest.mark.parametrize("after", ["DRAFT", "FINAL"])
 def test_what_reference_alone_sets_is_put_back(after: str) -> None:
     scene = build()

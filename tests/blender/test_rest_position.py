@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 import panels
 import pytest
+from gate import first_of
 from metallic_paint import verify
 from metallic_paint.interface import rest_position as interface
 from metallic_paint.paint import Paint, material
@@ -148,8 +149,7 @@ def rest_in_a_render(thing: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([channels[c] for c in "RGB"], axis=-1)[hit], seen[hit]
 
 
-@pytest.mark.every_blender
-@pytest.mark.parametrize("deformer", DEFORMERS)
+@pytest.mark.parametrize("deformer", first_of(DEFORMERS))
 def test_the_shader_gets_the_place_before_the_deformation(
     grid: bpy.types.Object, deformer: str
 ) -> None:
@@ -377,7 +377,6 @@ def test_an_overridden_object_keeps_it_where_its_paint_is_its_own(
     assert not lacks(thing)
 
 
-@pytest.mark.every_blender
 def test_a_paint_within_a_node_group_is_connected_there(grid: bpy.types.Object) -> None:
     """Once, though two materials of the object have the group."""
     nest_paint(grid.active_material)

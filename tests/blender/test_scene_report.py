@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 import panels
 import pytest
+from gate import first_of
 from metallic_paint import denoise, verify
 from metallic_paint.interface import report as interface
 from metallic_paint.paint import material, presets
@@ -73,8 +74,8 @@ def number(pattern: str, text: str) -> float:
     return float(re.search(pattern, text)[1].replace(",", ""))
 
 
-@pytest.mark.parametrize("camera", ["PERSP", "ORTHO"])
-@pytest.mark.parametrize("radius", [0.02, 0.5])
+@pytest.mark.parametrize("camera", first_of(["PERSP", "ORTHO"]))
+@pytest.mark.parametrize("radius", first_of([0.02, 0.5]))
 def test_flakes_and_sparkles_are_those_that_the_shader_finds(camera: str, radius: float) -> None:
     scene = build(radius=radius)
     scene.camera.data.type, scene.camera.data.ortho_scale = camera, 4 * radius
@@ -143,6 +144,7 @@ def test_clamping_that_cuts_is_named_with_its_value() -> None:
     assert "Clamp Indirect 0.25 dims" in said(scene, "INFO")
 
 
+@pytest.mark.long
 def test_clamping_warns_exactly_where_it_cuts() -> None:
     scene = build()
     verify.make_noiseless(scene)
@@ -543,7 +545,6 @@ def test_a_lamp_that_gives_no_light_is_named() -> None:
     assert "Sun gives no light: its Color is black." in bad(scene)
 
 
-@pytest.mark.every_blender
 def test_a_lamp_whose_nodes_give_no_light_is_named() -> None:
     scene = build()
     data = scene.objects["Sun"].data
@@ -724,7 +725,7 @@ def test_a_spot_that_shines_past_is_named() -> None:
     assert "Spot shines past" not in bad(scene)
 
 
-@pytest.mark.every_blender
+@pytest.mark.long
 @pytest.mark.parametrize("scale", [(6, 6, 1), (1, 1, 3), (6, 6, 6), (-1, 1, 1)])
 def test_a_spots_cone_is_scaled_with_it_as_in_the_picture(scale: tuple[float, ...]) -> None:
     scene = build()

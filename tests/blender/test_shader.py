@@ -44,6 +44,7 @@ def at(value: float, parameter: Parameter) -> float | tuple[float, ...]:
     return (value,) * 3 if several else value
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("paint", PAINTS.values(), ids=PAINTS)
 def test_values_beyond_their_range_stay_sound(subtests: pytest.Subtests, paint: Paint) -> None:
     """Too small, too large, no number: the least, the most, the default."""
@@ -61,6 +62,7 @@ def test_values_beyond_their_range_stay_sound(subtests: pytest.Subtests, paint: 
             assert (sound[hit] == 1).all()
 
 
+@pytest.mark.long
 def test_no_number_is_the_default_and_what_lies_beyond_the_nearest_end(
     subtests: pytest.Subtests,
 ) -> None:
@@ -113,6 +115,7 @@ def test_no_number_is_the_default_and_what_lies_beyond_the_nearest_end(
     assert seen == {label for label, *_ in cases}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("value", [-1e30, 1e30, np.nan])
 def test_constants_beyond_their_range_stay_sound(value: float) -> None:
     """All at once; without links OSL computes with them while it compiles."""
@@ -123,6 +126,7 @@ def test_constants_beyond_their_range_stay_sound(value: float) -> None:
     assert_sound(probe, value)
 
 
+@pytest.mark.long
 def test_a_linked_normal_may_be_any_vector(subtests: pytest.Subtests) -> None:
     """Any length is as good as one; what has no direction is as if there were no link."""
     probe = probe_of()
@@ -140,6 +144,7 @@ def test_a_linked_normal_may_be_any_vector(subtests: pytest.Subtests) -> None:
             assert (probe.image(verify.SOUND)[hit] == 1).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("orientation", [0, 1, 2, 7, -7])
 @pytest.mark.parametrize("tilt", [1e-6, 1.0, 100.0])
 def test_every_orientation_is_sound_from_a_spike_to_flat(orientation: int, tilt: float) -> None:
@@ -149,6 +154,7 @@ def test_every_orientation_is_sound_from_a_spike_to_flat(orientation: int, tilt:
     assert_sound(probe, (orientation, tilt))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_paint_does_not_depend_on_the_units_of_the_scene(scale: float) -> None:
     """A scene scaled with its metres per unit shows the same expected count."""
@@ -169,6 +175,7 @@ def test_paint_does_not_depend_on_the_units_of_the_scene(scale: float) -> None:
     assert np.median(np.abs(counts[1][both] / counts[0][both] - 1)) < 1e-3
 
 
+@pytest.mark.long
 def test_a_panoramic_camera_sees_finite_sparkles() -> None:
     probe = probe_of()
     probe.scene.camera.data.type = "PANO"
@@ -177,6 +184,7 @@ def test_a_panoramic_camera_sees_finite_sparkles() -> None:
     assert probe.image(verify.MEAN_RADIANCE).max() > 0
 
 
+@pytest.mark.long
 def test_paint_seen_in_a_mirror_sparkles() -> None:
     """A mirror beside the sphere shows another side of it."""
     probe = probe_of()
@@ -199,6 +207,7 @@ def test_paint_seen_in_a_mirror_sparkles() -> None:
     assert ((reflected.max(axis=-1) > 0) & (direct.max(axis=-1) == 0)).sum() > 3
 
 
+@pytest.mark.long
 def test_a_frame_draws_anew_and_a_seed_too() -> None:
     probe = probe_of()
     first = probe.image(verify.COUNT)
@@ -210,6 +219,7 @@ def test_a_frame_draws_anew_and_a_seed_too() -> None:
     np.testing.assert_array_equal(probe.image(verify.COUNT), first)
 
 
+@pytest.mark.long
 def test_a_border_render_shows_the_sparkles_of_the_frame() -> None:
     probe = probe_of()
     whole = probe.image(verify.COUNT)

@@ -55,7 +55,6 @@ def test_a_hot_pixel_is_no_sun_beside_a_sun_of_more_light() -> None:
     assert Vector(spot.direction).angle(Vector(towards)) < 2e-3
 
 
-@pytest.mark.every_blender
 def test_the_slot_follows_the_worlds_mapping_and_the_skys_sun() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scenes.build(bpy.context.scene, scenes.Scene("sky", paint=Paint(), lamps=()), 16)
@@ -115,7 +114,6 @@ def is_at(scene: bpy.types.Scene, column: int) -> bool:
     return abs(math.remainder(math.atan2(towards.y, towards.x) - turn, 2 * math.pi)) < 0.05
 
 
-@pytest.mark.every_blender
 @pytest.mark.parametrize("looked", ["before", "between", "shown"])
 def test_the_sun_of_a_file_that_changed_is_found_once_it_is_loaded_anew(
     tmp_path: Path, looked: str
@@ -136,7 +134,6 @@ def test_the_sun_of_a_file_that_changed_is_found_once_it_is_loaded_anew(
     assert is_at(scene, 200)
 
 
-@pytest.mark.every_blender
 def test_an_image_of_8_bits_is_judged_by_its_light() -> None:
     """A white dot on a dark grey, whose values are ten times its light."""
     scene = bpy.context.scene
@@ -167,7 +164,6 @@ def test_a_missing_file_is_not_tried_until_it_is_there(
     assert is_at(scene, 40)
 
 
-@pytest.mark.every_blender
 def test_the_worlds_sun_is_that_of_the_view_layers_in_use() -> None:
     scene = bpy.context.scene
     world_of(disc(np.array((0, 0.5, 1)), 0.01, 1e5, 0.3))

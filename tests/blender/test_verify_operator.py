@@ -133,7 +133,6 @@ def test_the_numbers_are_those_of_every_pixel() -> None:
     assert found.notes[-1].startswith("The core is metallic_paint_core")
 
 
-@pytest.mark.every_blender
 def test_a_paint_that_is_new_in_every_frame_agrees_at_the_scenes_frame() -> None:
     scene = build()
     node = material.paint_node(scene.objects["Monkey"].active_material)

@@ -9,6 +9,7 @@ import bpy
 import metallic_paint_core as core
 import numpy as np
 import pytest
+from gate import first_of
 from measure import goniophotometer
 from metallic_paint import verify
 from metallic_paint.native import core_lights
@@ -63,7 +64,7 @@ LOSSLESS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", LOSSLESS)
+@pytest.mark.parametrize("name", first_of(LOSSLESS))
 def test_a_lossless_paint_vanishes_in_a_white_world(name: str) -> None:
     """On a plane from above, aslant and grazing."""
     for elevation in (85, 45, 17):
@@ -80,6 +81,7 @@ def test_a_lossless_paint_vanishes_in_a_white_world(name: str) -> None:
 # --- flop --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["silver-fine", "candy-red", "copper"])
 def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
     """Lightness under a sun at 45 degrees, so far away that no flake shows.
@@ -112,6 +114,7 @@ def test_the_flop_is_that_of_the_random_walk(name: str) -> None:
     np.testing.assert_allclose(lightness, wanted, rtol=0, atol=6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("elevation", [60, 20, 9, 6, 4])
 def test_a_sun_at_any_slant_lights_the_substrate_as_the_core_says(elevation: float) -> None:
     """At 6 degrees on the slope of diffuse_toon; a binder with a colour of its own."""
@@ -126,6 +129,7 @@ def test_a_sun_at_any_slant_lights_the_substrate_as_the_core_says(elevation: flo
     np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("view", [(50, 30), (70, -60), (20, 20)])
 def test_a_sun_sees_the_substrate_by_the_holes_it_comes_by_as_the_core_says(view: tuple) -> None:
     """Black flakes: what is seen is the substrate. The camera looks from an azimuth of 0."""
@@ -144,6 +148,7 @@ def test_a_sun_sees_the_substrate_by_the_holes_it_comes_by_as_the_core_says(view
     np.testing.assert_allclose(picture[geometry.hit], wanted, rtol=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("view", [(50, 150), (25, 150), (20, 60)])
 def test_a_sun_shines_on_what_flakes_mirror_often_as_the_core_says(view: tuple) -> None:
     """Over black, beside the highlight, where no single flake sparkles."""
@@ -181,7 +186,7 @@ NEAR = dataclasses.replace(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("composition", ["exact", "published"])
+@pytest.mark.parametrize("composition", first_of(["exact", "published"]))
 def test_a_pixel_shows_the_sum_or_the_greater_of_sparkles_and_the_rest(composition: str) -> None:
     """The rest is what the same paint shows where its slots are empty, so that nothing sparkles."""
     # Whole pixels sparkle or do not: of cells, the mean of a pixel would hide which.
@@ -240,6 +245,7 @@ def mirrored_directions(probe: verify.Probe) -> np.ndarray:
     return 2 * picture / reflectance - 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hit", [False, True], ids=["lamp only sampled", "lamp hit by rays too"])
 def test_a_smooth_coat_mirrors_a_listed_light_once(hit: bool) -> None:
     """Its disc, in each sample: what lamp sampling finds, and no ray that hits the lamp besides."""
@@ -270,6 +276,7 @@ def test_a_smooth_coat_mirrors_a_listed_light_once(hit: bool) -> None:
     assert mean == pytest.approx(1, abs=4 * np.sqrt(q / disc.sum()) / 2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slope", [0.01, 0.05])
 @pytest.mark.parametrize("scale", [(1, 1, 1), (8, 1, 0.5)], ids=["even scale", "uneven scale"])
 def test_orange_peel_tilts_the_mirror_by_its_slope(slope: float, scale: tuple) -> None:
@@ -292,6 +299,7 @@ def test_orange_peel_tilts_the_mirror_by_its_slope(slope: float, scale: tuple) -
         assert abs(far) < 0.2
 
 
+@pytest.mark.long
 def test_a_coat_normal_turns_the_highlight_and_not_the_flakes() -> None:
     spec = dataclasses.replace(LIT, paint=dataclasses.replace(LIT.paint, coat_roughness=0.3))
     probe = probe_of(spec)
@@ -318,6 +326,7 @@ def test_a_coat_normal_turns_the_highlight_and_not_the_flakes() -> None:
 # --- substrate and texture ---------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_texture_can_drive_the_substrate() -> None:
     paint = dataclasses.replace(LIT.paint, flakes_per_mm2=0, binder_ior=1)
     probe = probe_of(dataclasses.replace(LIT, paint=paint))
@@ -336,6 +345,7 @@ def test_a_texture_can_drive_the_substrate() -> None:
     np.testing.assert_allclose(albedo[middle, middle + 8], (0.1, 0.1, 0.8), atol=1e-3)
 
 
+@pytest.mark.long
 def test_texture_makes_the_diffuse_light_uneven_and_keeps_its_mean() -> None:
     paint = dataclasses.replace(LIT.paint, texture_contrast=0.05, anchor="pixel")
     plane = dataclasses.replace(PLANE, lamps=LIT.lamps, width=0.05, elevation=50, paint=paint)

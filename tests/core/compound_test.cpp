@@ -2,7 +2,7 @@
 //
 // The drawn sum of sparkles against compound Poisson and binomial sums that this file draws itself,
 // flake by flake with std's distributions, and against moments integrated numerically. Level 1e-6
-// for each test as a whole (Sidak's correction within), another seed in each run.
+// for each test as a whole (Sidak's correction within), another seed in each run of --all.
 #include <algorithm>
 #include <array>
 #include <cmath>

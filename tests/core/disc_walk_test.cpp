@@ -2,7 +2,7 @@
 //
 // Photons among finite flakes against what is known without them: energy, reciprocity, the random
 // walk as the limit of small flakes, and the traced discs' single mirroring. Statistical tests have
-// the level 1e-6 over all comparisons of a test, and other layers in each run.
+// the level 1e-6 over all comparisons of a test, and other layers in each run of --all.
 #include "reference/disc_walk.h"
 
 #include <gtest/gtest.h>

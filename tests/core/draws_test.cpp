@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Drawn sparkles against their closed form: z-tests over random paints, lights and pixels. Level
-// 1e-6 for each test as a whole (Sidak's correction within), another seed in each run.
+// 1e-6 for each test as a whole (Sidak's correction within), another seed in each run of --all.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -2,7 +2,7 @@
 //
 // The random walk against what is known without it: energy, reciprocity, closed forms, the core's
 // single scattering, and its two estimators against each other. Statistical tests have the level
-// 1e-6 over all comparisons of a test, and other photons in each run.
+// 1e-6 over all comparisons of a test, and other photons in each run of --all.
 #include "reference/random_walk.h"
 
 #include <gtest/gtest.h>

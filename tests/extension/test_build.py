@@ -174,7 +174,6 @@ def test_shader_survives_the_encodings_of_other_systems(foreign: Path) -> None:
             assert content.isascii(), name
 
 
-@pytest.mark.every_blender
 @pytest.mark.usefixtures("no_core")
 def test_paint_works_without_the_native_module(installed: Path) -> None:
     assert not [*(installed / "metallic_paint_core").glob("*-{}{}-*".format(*sys.version_info))]
@@ -195,7 +194,6 @@ def test_paint_works_without_the_native_module(installed: Path) -> None:
     assert "3.99; this Blender has Python" in shown
 
 
-@pytest.mark.every_blender
 @pytest.mark.usefixtures("no_core")
 def test_verify_says_that_there_is_no_native_module_for_this_python() -> None:
     shown = drawn(bpy.types.MATERIAL_PT_metallic_paint_verify)

@@ -14,8 +14,6 @@ import bpy
 import pytest
 from package import NAME, Addon
 
-pytestmark = pytest.mark.every_blender
-
 ROOT = Path(__file__).resolve().parent.parent.parent
 NATIVE = "metallic_paint_core"
 SUFFIX = sysconfig.get_config_var("EXT_SUFFIX")  # with Python's version and the platform

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import random
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +11,7 @@ from types import SimpleNamespace
 import addon_utils
 import bpy
 import pytest
+import seeds
 from package import Addon
 from recording import Layout, drawn
 
@@ -208,9 +208,10 @@ def test_tint_is_the_color_after_one_way_through_the_layer(
 ) -> None:
     bpy.ops.material.metallic_paint_new()
     node = addon("paint.material").paint_node(cube.active_material)
+    random = seeds.fresh(700)
     for _ in range(20):
         thickness = node.inputs["Layer Thickness (µm)"].default_value = random.uniform(1, 500)
-        color = [random.uniform(0.01, 1) for _ in range(3)]
+        color = random.uniform(0.01, 1, 3).tolist()
         node.metallic_paint_tint = color
         assert tuple(node.metallic_paint_tint) == pytest.approx(color, rel=1e-5)
         absorption = node.inputs["Absorption (1/mm)"].default_value

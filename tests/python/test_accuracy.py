@@ -18,7 +18,10 @@ SECONDS = 900  # the first run builds and installs
 GROUPS = ("number type", "orientation", "blocked area", "count", "sum", "radiometry",
           "depth", "flake spread", "all together")  # fmt: skip
 
-pytestmark = pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="runs with Python 3.11")
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="runs with Python 3.11"),
+]
 
 
 def accuracy(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -38,7 +41,6 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[dict], str
     return out, json.loads(file.read_text()), done.stdout
 
 
-@pytest.mark.long
 def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str]) -> None:
     _, found, _ = run
     for bar in found:
@@ -55,7 +57,6 @@ def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str
         assert any(part in name for name in names), part
 
 
-@pytest.mark.long
 def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
     text = (out / REPORT).read_text()
@@ -78,7 +79,6 @@ def test_the_report_holds_every_choice_with_its_numbers(run: tuple[Path, list[di
     assert "nan" not in text
 
 
-@pytest.mark.long
 def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[dict], str]) -> None:
     out, _, _ = run
     shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", (out / REPORT).read_text())
@@ -90,7 +90,6 @@ def test_the_pictures_of_the_report_are_there_and_small(run: tuple[Path, list[di
         assert 10_000 < len(data) < 500_000
 
 
-@pytest.mark.long
 def test_the_conclusions_are_said_as_well(run: tuple[Path, list[dict], str]) -> None:
     out, _, said = run
     text = (out / REPORT).read_text()

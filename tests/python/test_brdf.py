@@ -14,6 +14,8 @@ from measure import brdf
 from measure.brdf import COLUMNS, FITS, MERL_SIDES, NAMES, BrdfError, direction
 from measure.fit import lightness, rms
 
+pytestmark = pytest.mark.long
+
 HEAD = ",".join(COLUMNS)
 
 

@@ -17,6 +17,8 @@ from coatings.colorimetry import WAVELENGTHS, linear_srgb
 from coatings.thin_film import reflect_and_transmit
 from common.processes import ROOT, TOOLS
 
+pytestmark = pytest.mark.long
+
 ROUNDING = 1e-10  # far above double's rounding in a few products of matrices
 COSINES = np.linspace(0, 1, 65)
 METALS = [name for name in coatings.PLATELETS if "nk" in coatings.MATERIALS[name]]

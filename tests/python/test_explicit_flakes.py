@@ -9,6 +9,8 @@ import metallic_paint_core as core
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.long
+
 PAINT = core.Paint(flakes_per_mm2=2000, tilt=0.2)
 
 

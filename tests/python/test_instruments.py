@@ -18,6 +18,8 @@ from measure import goniophotometer, sparkle_camera
 from measure.goniophotometer import BATCHES, CURVE, LUMINANCE
 from metallic_paint.paint import Paint, core_paint, presets
 
+pytestmark = pytest.mark.long
+
 ERRORS = 5
 NO_FLAKES = Paint(flakes_per_mm2=0, substrate_color=(0.5, 0.5, 0.5))
 

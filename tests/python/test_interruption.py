@@ -12,6 +12,8 @@ import time
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 # A process that another one sends the signal of Ctrl-C while the call is under way: a thread
 # of the same process would have to wait for the interpreter's lock.
 PROGRAM = """

@@ -21,7 +21,10 @@ from metallic_paint.paint import Paint, presets
 
 SECONDS = 900  # the first run builds and installs
 
-pytestmark = pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="runs with Python 3.11")
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="runs with Python 3.11"),
+]
 
 
 def measure(*arguments: object) -> subprocess.CompletedProcess[str]:

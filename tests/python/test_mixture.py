@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import seeds
 
+pytestmark = pytest.mark.long
+
 NAN = float("nan")
 
 

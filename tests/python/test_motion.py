@@ -3,21 +3,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+import seeds
 from motion import layer
 from motion.rows import Row
+
+pytestmark = pytest.mark.long
 
 SIZE = 256
 CHANCE = 6 / SIZE  # six standard errors of a correlation of SIZE x SIZE independent pixels
 
+Noise = Callable[..., np.ndarray]
 
-def noise(*shape: int) -> np.ndarray:
-    return np.random.default_rng().normal(size=shape or (SIZE, SIZE))
+
+@pytest.fixture
+def noise() -> Noise:
+    random = seeds.fresh(12)
+    return lambda *shape: random.normal(size=shape or (SIZE, SIZE))
 
 
 @pytest.mark.parametrize("shift", [-3, 2])
-def test_what_rides_along_correlates_warped_only(shift: int) -> None:
+def test_what_rides_along_correlates_warped_only(shift: int, noise: Noise) -> None:
     surface = noise()
     frames = [np.roll(surface, shift * k, axis=1) for k in range(4)]
     assert layer.neighbours(frames, shift) == pytest.approx(1)
@@ -25,21 +34,21 @@ def test_what_rides_along_correlates_warped_only(shift: int) -> None:
     assert layer.flicker(frames, shift) == pytest.approx(0)
 
 
-def test_what_stays_in_the_picture_correlates_at_the_same_pixel_only() -> None:
+def test_what_stays_in_the_picture_correlates_at_the_same_pixel_only(noise: Noise) -> None:
     frames = [noise()] * 4
     assert layer.neighbours(frames, 0) == pytest.approx(1)
     assert abs(layer.neighbours(frames, 2)) < CHANCE
     assert layer.flicker(frames, 2) == pytest.approx(1, abs=CHANCE)
 
 
-def test_half_the_variance_changes() -> None:
+def test_half_the_variance_changes(noise: Noise) -> None:
     surface = noise()
     frames = [surface + noise() for _ in range(8)]
     assert layer.neighbours(frames, 0) == pytest.approx(0.5, abs=CHANCE)
     assert layer.flicker(frames, 0) == pytest.approx(0.5, abs=CHANCE)
 
 
-def test_a_streak_has_its_autocorrelation_in_spite_of_noise() -> None:
+def test_a_streak_has_its_autocorrelation_in_spite_of_noise(noise: Noise) -> None:
     """A box of n pixels has the triangle 1 - lag/n. 6 n^2/SIZE: n pixels are one, noise twice."""
     n = 4
     sharp = noise(SIZE, SIZE + n - 1)

@@ -8,6 +8,8 @@ import time
 import pytest
 from common import processes
 
+pytestmark = pytest.mark.long
+
 
 def test_a_long_step_tells_that_it_goes_on_and_a_short_one_is_quiet(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

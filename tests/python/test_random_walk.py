@@ -9,6 +9,8 @@ import metallic_paint_core as core
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.long
+
 LIGHT = (0.6, 0.0, 0.8)
 
 

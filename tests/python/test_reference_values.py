@@ -11,6 +11,8 @@ import metallic_paint_core as core
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.long
+
 # Another file of the same form can be judged by setting METALLIC_PAINT_REFERENCE_VALUES.
 FILE = os.environ.get(
     "METALLIC_PAINT_REFERENCE_VALUES", Path(__file__).with_name("reference-values.json")
@@ -51,7 +53,6 @@ def predict(row: dict) -> core.Pixels:
     )
 
 
-@pytest.mark.every_blender
 @pytest.mark.parametrize("row", ROWS)
 def test_count_and_radiance_are_those_of_traced_flakes(row: dict) -> None:
     result = predict(row)

@@ -3,11 +3,8 @@ from importlib import metadata
 from pathlib import Path
 
 import metallic_paint_core
-import pytest
 
 VERSION = (Path(__file__).parents[2] / "VERSION").read_text().strip()
-
-pytestmark = pytest.mark.every_blender
 
 
 def test_module_and_wheel_have_the_version_of_the_repository() -> None:

@@ -9,6 +9,7 @@ import statistics
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from common import bars, files
 from common.processes import BUILD
@@ -76,9 +77,12 @@ def write(found: Sequence[Found], path: Path) -> None:
 
 
 def read(path: Path) -> list[Found]:
+    return parse(json.loads(path.read_text(encoding="utf-8")))
+
+
+def parse(parts: Sequence[dict[str, Any]]) -> list[Found]:
     return [
-        Found(part["part"], part["blender"], [Row(**row) for row in part["rows"]])
-        for part in json.loads(path.read_text(encoding="utf-8"))
+        Found(part["part"], part["blender"], [Row(**row) for row in part["rows"]]) for part in parts
     ]
 
 

@@ -9,11 +9,15 @@ from __future__ import annotations
 import argparse
 import shutil
 import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 from common import bars, environments
 from common.benchmark_build import build
 from common.environments import FIRST_BLENDER, Blender
+from common.kept import keep
 from common.processes import ROOT, TOOLS, StepFailedError, run_measurement, run_program, say
 from common.report_folder import BENCH, REPORT, check_file
 
@@ -28,6 +32,7 @@ from bench.rows import (
     SERIES,
     WORK,
     Found,
+    parse,
     read,
     write,
 )
@@ -69,6 +74,9 @@ def main() -> int:
     parser.add_argument(
         "--only", default="", metavar="TEXT", help=f"of {', '.join(PARTS)} those with TEXT in them"
     )
+    parser.add_argument(
+        "--again", action="store_true", help="measures also what was measured on these sources"
+    )
     arguments = parser.parse_args()
 
     start = time.monotonic()
@@ -84,22 +92,33 @@ def main() -> int:
     if quick:
         environments.prepare(FIRST_BLENDER)
     blenders = [FIRST_BLENDER] if quick else environments.prepare_blenders()
-    shutil.rmtree(WORK, ignore_errors=True)
-    SERIES.mkdir(parents=True)
+    kept = keep("bench", again=arguments.again, quick=quick)
+    if not kept:
+        shutil.rmtree(WORK, ignore_errors=True)
+    SERIES.mkdir(parents=True, exist_ok=True)
+
+    def once(name: str, measure: Callable[[], Sequence[Found]]) -> list[Found]:
+        if name in kept:
+            say(f"Measured on these sources before: {name}. With --again it is measured anew.")
+        else:
+            kept.add(name, [asdict(part) for part in measure()])
+        return parse(kept[name])
+
     found: list[Found] = []
     for blender in blenders:
+        where = f"in Blender {blender.version}"
         if {"waits", "memory"} & set(chosen):
-            say(f"Measuring waits and memory in Blender {blender.version}…")
-            found += [part for part in waits(blender, WORK, quick) if part.part in chosen]
+            both = once(f"waits and memory {where}", partial(waits, blender, WORK, quick))
+            found += [part for part in both if part.part in chosen]
         for part in RENDERED:
             if part in chosen:
-                found += measure(blender, part, quick)
+                found += once(f"{part} {where}", partial(measure, blender, part, quick))
     if INSTRUCTIONS in chosen:
-        found.append(instructions(FIRST_BLENDER, WORK))
+        found += once(INSTRUCTIONS, lambda: [instructions(FIRST_BLENDER, WORK)])
     if ERROR in chosen:
-        found += measure(FIRST_BLENDER, ERROR, quick)
+        found += once(ERROR, partial(measure, FIRST_BLENDER, ERROR, quick))
     if CORE in chosen:
-        found += measure_core(quick)
+        found += once(CORE, partial(measure_core, quick))
     write(found, WORK / FOUND)
     with BENCH.fill(arguments.out) as folder:
         program = [environments.ACCURACY.python, TOOLS, "bench.report", "--found", WORK / FOUND]

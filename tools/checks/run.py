@@ -12,18 +12,21 @@ import shutil
 import subprocess
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
 from common.environments import OWN
+from common.kept import Kept, keep
 from common.processes import BUILD, ROOT, StepFailedError, describe, run_limited, run_program, say
 
 RESULTS = BUILD / "results"  # of each session a JUnit file under its name
 REPORT = RESULTS / "sessions.json"
 SECONDS = 4 * 3600
 KINDS = ("passed", "failed", "skipped")
+SEED = "METALLIC_PAINT_TEST_SEED"  # of the random draws, in the environment
+GATE = ("form", "core", "python(4.5)", "blender(4.5)", "extension(4.5)")  # --all has the rest
 
 
 class Case(NamedTuple):
@@ -49,23 +52,42 @@ def chosen_files(session: str, text: str) -> list[Path]:
 
 
 def chosen_sessions(nox: list[str | Path], text: str, everything: bool) -> list[str]:
-    """Those in which something has the text in its line of the table; fuzzers run with --all."""
+    """Those in which something has the text in its line of the table."""
     listed = subprocess.run(
         [*nox, "--list-sessions", "--json"], capture_output=True, text=True, check=True
     )
     sessions = [session["session"] for session in json.loads(listed.stdout)]
-    sessions = [name for name in sessions if everything or name != "fuzz"]
-    chosen = [name for name in sessions if chosen_files(name, text)]
-    return ["core", *chosen] if text in group("core") else chosen
+    return [
+        name
+        for name in sessions
+        if (everything or name in GATE)
+        and (text in group("core") if name == "core" else chosen_files(name, text))
+    ]
 
 
-def cases() -> Iterator[Case]:
-    """All that ran, by the reports of nox, pytest and CTest."""
+def kept_of(session: str) -> Kept:
+    """What has passed of the session, with the seconds that it took, by these draws."""
+    return keep(f"tests, {session}", seed=os.environ[SEED])
+
+
+def seed_of_all(again: bool) -> str:
+    """New once all has been run, or the sources have changed; a run cut short keeps its draws."""
+    kept = keep("seed", again=again)
+    if SEED not in kept:
+        kept.add(SEED, str(secrets.randbits(32)))
+    return kept[SEED]
+
+
+def cases(before: Mapping[str, Mapping[str, float]]) -> Iterator[Case]:
+    """All that ran, by the reports of nox, pytest and CTest, and what had passed before."""
     for session in json.loads(REPORT.read_text())["sessions"]:
         [name] = session["signatures"] or [session["name"]]
         result = session["result"]
         found = list(_read(name, RESULTS / f"{name}.xml"))
         yield from found
+        for test, seconds in before.get(name, {}).items():
+            file = re.match(r"tests/\w+/test_(\w+)", test)
+            yield Case(group(name, file[1] if file else ""), test, "passed", seconds)
         if result == "skipped":
             yield Case(group(name), "all", "skipped", 0, session["reason"])
         elif result != "success" and all(case.kind != "failed" for case in found):
@@ -116,6 +138,9 @@ def main() -> int:
         help="only the core's tests, built with the address and undefined sanitizers",
     )
     parser.add_argument("-k", metavar="TEXT", default="", help="only groups with TEXT in the name")
+    parser.add_argument(
+        "--again", action="store_true", help="with --all: also what has passed on these sources"
+    )
     asked = parser.parse_args()
 
     start = time.monotonic()
@@ -125,21 +150,27 @@ def main() -> int:
     sessions = ["sanitized"] if asked.sanitize else chosen_sessions(nox, asked.k, asked.all)
     if not sessions:
         raise StepFailedError(f"No group of tests has “{asked.k}” in its name.")
-    seed = os.environ.setdefault("METALLIC_PAINT_TEST_SEED", str(secrets.randbits(32)))
+    before = {}
+    if asked.all:
+        os.environ.setdefault(SEED, seed_of_all(asked.again))
+        before = {session: dict(kept_of(session)) for session in sessions}
     passed_on = [*["--all"] * asked.all, "-k", asked.k]
     code = run_limited(
         [*nox, "--report", REPORT, "--sessions", *sessions, "--", *passed_on], seconds=SECONDS
     )
     if not REPORT.is_file():
         raise StepFailedError(f"The tests did not come to their end ({describe(code)}).")
-    found = list(cases())
+    found = list(cases(before))
     if not found:
         raise StepFailedError(f"Only --all runs tests of groups with “{asked.k}” in their name.")
-    say(f"METALLIC_PAINT_TEST_SEED={seed} repeats the random draws of this run")
-    minutes = f"{(time.monotonic() - start) / 60:.1f} minutes"
-    report(
-        found, minutes if asked.all else f"{minutes}; ./paint test --all runs the long tests too"
-    )
+    note = f"{(time.monotonic() - start) / 60:.1f} minutes"
+    if asked.all:
+        say(f"{SEED}={os.environ[SEED]} repeats the random draws of this run")
+        if count := sum(map(len, before.values())):
+            note += f"; {count} tests had passed on these sources before, --again runs them too"
+    else:
+        note += "; ./paint test --all runs the long tests too"
+    report(found, note)
     return 1 if any(case.kind == "failed" for case in found) else 0
 
 

@@ -57,22 +57,11 @@ def _run(command: Sequence[str | Path], seconds: float, output: IO[bytes] | None
         stderr=None if output is None else subprocess.STDOUT,
         start_new_session=True,
     )
-    _running.add(process)
     try:
         return process.wait(timeout=seconds)
     except subprocess.TimeoutExpired:
         return TIMED_OUT
     finally:
-        _end_group(process)
-        _running.discard(process)
-
-
-_running: set[subprocess.Popen[bytes]] = set()
-
-
-def end_all() -> None:
-    """Ends the children that other threads wait for."""
-    for process in list(_running):
         _end_group(process)
 
 

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes what of the extension is rendered: swatches of the presets, and an asset library of them.
+"""Makes what of the extension is rendered: an asset library of the presets, or their swatches.
 
-In the folder: swatches/PRESET.jpg; in assets/ metallic_paint.blend and .sha256, and
-blender_assets.cats.txt.
-Some presets at a time, several programs can render the swatches; one makes the library of all.
+The library's folder holds metallic_paint.blend and .sha256, and blender_assets.cats.txt; that of
+the swatches PRESET.jpg. The swatches are committed (./paint extension --swatches).
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from common import blender_env
@@ -19,7 +17,7 @@ blender_env.prepare()
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from metallic_paint.interface import operators  # noqa: E402
+from metallic_paint.interface import operators, preset_operators  # noqa: E402
 from metallic_paint.paint import material, presets, shader  # noqa: E402
 from pictures import gallery_scenes as scenes  # noqa: E402
 from pictures import render_scene  # noqa: E402
@@ -30,15 +28,14 @@ CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
 CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 
 
-def render_swatches(folder: Path, names: Sequence[str]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
+def render_swatches(folder: Path) -> None:
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
     scene.render.use_persistent_data = True  # the world is prepared once
     ball = scenes.small_swatch(scene)
     painted = material.create(render_scene.load_paint(presets.names()[0]))
     material.assign(ball, painted)
     painted.pass_index = render_scene.PAINT_INDEX
-    for name in names:
+    for name in presets.names():
         material.apply(painted, render_scene.load_paint(name))
         render_scene.take(scene)
         settings = scene.render.image_settings
@@ -49,7 +46,7 @@ def render_swatches(folder: Path, names: Sequence[str]) -> None:
         render_scene.say(f"  {name}")
 
 
-def write_library(folder: Path, swatches: Path) -> None:
+def write_library(folder: Path) -> None:
     """In a file of their own: the paints know no light of the swatches."""
     folder.mkdir(parents=True)
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -60,7 +57,7 @@ def write_library(folder: Path, swatches: Path) -> None:
         painted.asset_mark()
         painted.asset_data.catalog_id = CATALOG
         painted.asset_data.description = content["description"]
-        _set_preview(painted, swatches / f"{name}.jpg")
+        _set_preview(painted, preset_operators.SWATCHES / f"{name}.jpg")
         paints.add(painted)
     file = folder / "metallic_paint.blend"
     bpy.data.libraries.write(str(file), paints, fake_user=True, compress=True)
@@ -81,14 +78,11 @@ def _set_preview(painted: bpy.types.Material, file: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="the folder")
-    parser.add_argument("--swatches", nargs="+", metavar="PRESET", help="render these, no more")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--swatches", action="store_true", help="the swatches, not the library")
     asked = parser.parse_args()
     with render_scene.quiet():
-        if asked.swatches:
-            render_swatches(asked.out / "swatches", asked.swatches)
-        else:
-            write_library(asked.out / "assets", asked.out / "swatches")
+        (render_swatches if asked.swatches else write_library)(asked.folder)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,7 @@ import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable
 from pathlib import Path
 from string import Template
 
@@ -27,7 +26,6 @@ from common.processes import (
     TOOLS,
     StepFailedError,
     describe,
-    end_all,
     run_limited,
     run_program,
     run_step,
@@ -52,16 +50,15 @@ PRESETS = ADDON / "paint" / "presets"
 MANIFEST = ROOT / "addon" / "blender_manifest.toml"
 TABLE = ROOT / "core" / "coating_library.inc"  # which the shader includes from there
 TESTED = BUILD / "extension"  # where tests/extension finds the zip
-RENDERED = BUILD / "asset-library"
-RENDERED_FROM = (
+LIBRARY = BUILD / "asset-library"
+MADE_FROM = (
     ADDON / "paint",
+    ADDON / "swatches",
     *(ADDON / "scene" / f"{name}.py" for name in ("carrier", "lights", "sky", "wiring")),
     ROOT / "osl",
     TABLE,
     TOOLS / "extension" / "asset_library.py",
-    TOOLS / "pictures" / "gallery_scenes.py",
 )
-AT_ONCE = 2  # Blenders; each is one thread that compiles a preset's shader
 MOST_LIBRARY_BYTES = 3_000_000
 
 
@@ -80,7 +77,7 @@ def build(blender: Blender, out: Path, kind: str, wheels: Iterable[Path]) -> Pat
     version = (ROOT / "VERSION").read_text().strip()
     file = out / f"{ID}-{version}-{kind}.zip"
     with environments.alone(), tempfile.TemporaryDirectory(dir=BUILD) as scratch:
-        _render_library(blender)
+        _make_library(blender)
         folder = Path(scratch) / ID
         _fill(folder)
         for wheel in wheels:
@@ -98,7 +95,7 @@ def build(blender: Blender, out: Path, kind: str, wheels: Iterable[Path]) -> Pat
     return file
 
 
-def own_wheels(blenders: Sequence[Blender]) -> list[Path]:
+def own_wheels(blenders: Iterable[Blender]) -> list[Path]:
     """The bindings for these Blenders, which were prepared before."""
     return [environments.wheel_of(blender.python_version) for blender in blenders]
 
@@ -109,33 +106,26 @@ def wheels_for(kind: str, folder: Path) -> list[Path]:
     return sorted(wheel for wheel in folder.iterdir() if fits.fullmatch(wheel.name))
 
 
-def _render_library(blender: Blender) -> None:
+def render_swatches(blender: Blender) -> None:
+    say("Rendering the presets' swatches (3 minutes)…")
+    program = [blender.python, TOOLS, "extension.asset_library", "--swatches"]
+    with telling_time("Rendering the swatches"), files.whole(ADDON / "swatches") as folder:
+        folder.mkdir()
+        run_step("Rendering the swatches", [*program, folder], "swatches.log")
+
+
+def _make_library(blender: Blender) -> None:
     """In the oldest Blender: a newer one's file would warn there."""
-    stamp = RENDERED / ".stamp"
-    digest = environments.digest_of(RENDERED_FROM)
+    stamp = LIBRARY / ".stamp"
+    digest = environments.digest_of(MADE_FROM)
     if stamp.is_file() and stamp.read_text() == digest:
         return
-    say("Rendering the presets for the asset library (2 to 4 minutes, when they changed)…")
-    shutil.rmtree(RENDERED, ignore_errors=True)
-    command = [blender.python, TOOLS, "extension.asset_library", "--out", RENDERED]
-    names = sorted(file.stem for file in PRESETS.glob("*.json"))
-    with telling_time("Rendering the presets"), ThreadPoolExecutor(AT_ONCE) as pool:
-        try:
-            for part in [
-                pool.submit(
-                    run_step,
-                    "Rendering the presets",
-                    [*command, "--swatches", *names[first::AT_ONCE]],
-                    f"swatches-{first}.log",
-                )
-                for first in range(AT_ONCE)
-            ]:
-                part.result()
-        except BaseException:
-            end_all()
-            raise
-    run_step("Making the asset library", command, "asset-library.log")
-    size = sum(file.stat().st_size for file in RENDERED.rglob("*") if file.is_file())
+    say("Making the asset library of the presets (when they or the shader changed)…")
+    shutil.rmtree(LIBRARY, ignore_errors=True)
+    command = [blender.python, TOOLS, "extension.asset_library", LIBRARY]
+    with telling_time("Making the asset library"):
+        run_step("Making the asset library", command, "asset-library.log")
+    size = sum(file.stat().st_size for file in LIBRARY.rglob("*") if file.is_file())
     if size > MOST_LIBRARY_BYTES:
         raise StepFailedError(f"The asset library has {size} bytes, over {MOST_LIBRARY_BYTES}.")
     stamp.write_text(digest)
@@ -148,8 +138,7 @@ def _fill(folder: Path) -> None:
     (folder / "core").mkdir()
     shutil.copy(TABLE, folder / "core")
     shutil.copytree(ROOT / "LICENSES", folder / "LICENSES")
-    for name in ("swatches", "assets"):
-        shutil.copytree(RENDERED / name, folder / name)
+    shutil.copytree(LIBRARY, folder / "assets", ignore=shutil.ignore_patterns(".stamp"))
 
 
 def _unpack(wheel: Path, folder: Path) -> None:
@@ -187,6 +176,10 @@ def main() -> int:
         "--wheels", type=Path, metavar="DIR",
         help="takes the native module from the wheels in this folder, for any platform",
     )  # fmt: skip
+    parser.add_argument(
+        "--swatches", action="store_true",
+        help="renders the presets' committed swatches anew before, when their look has changed",
+    )  # fmt: skip
     asked = parser.parse_args()
     out = asked.out
     if out.exists() and not out.is_dir():
@@ -195,6 +188,8 @@ def main() -> int:
         raise StepFailedError(f"--wheels {asked.wheels}: not a folder.")
     blenders = environments.prepare_blenders()
     own = own_platform()
+    if asked.swatches:
+        render_swatches(blenders[0])
     for kind in PLATFORMS if asked.platform == "all" else [asked.platform or own]:
         if asked.wheels is not None:
             wheels = wheels_for(kind, asked.wheels)

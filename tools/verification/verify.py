@@ -19,6 +19,7 @@ import bpy  # noqa: E402
 import metallic_paint_core as core  # noqa: E402
 import numpy as np  # noqa: E402
 from common import bars  # noqa: E402
+from common.kept import keep  # noqa: E402
 from metallic_paint import verify  # noqa: E402
 from metallic_paint.native import core_lights  # noqa: E402
 from metallic_paint.paint import core_paint  # noqa: E402
@@ -403,6 +404,9 @@ def main() -> int:
     parser.add_argument(
         "--only", default="", metavar="TEXT", help="only scenes with TEXT in the name"
     )
+    parser.add_argument(
+        "--again", action="store_true", help="also the scenes whose bars held on these sources"
+    )
     arguments = parser.parse_args()
     scenes = [s for s in verify_scenes.SCENES if arguments.only in s.name]
     if not scenes:
@@ -411,12 +415,16 @@ def main() -> int:
     arguments.out.mkdir(parents=True, exist_ok=True)
     _send_chatter_to(arguments.out / "blender.log")
     report = [] if arguments.only else [hashes.check(blender())]
+    kept = keep(f"verify, {blender()}", again=arguments.again)
     for number, spec in enumerate(scenes, 1):
-        print(f"[{number}/{len(scenes)}] {spec.name}", flush=True)
-        found = check(spec, arguments.out)
+        before = kept.get(spec.name)
+        print(f"[{number}/{len(scenes)}] {spec.name}{': held before' * bool(before)}", flush=True)
+        found = [bars.Bar(**bar) for bar in before] if before else check(spec, arguments.out)
         for bar in found:
             if not bar.holds:
                 print(f"  {bar}", flush=True)
+        if not before and all(bar.holds for bar in found):
+            kept.add(spec.name, [dataclasses.asdict(bar) for bar in found])
         report += found
     bars.write(report, arguments.json)
     return 0 if all(bar.holds for bar in report) else 1
