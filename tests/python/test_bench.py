@@ -14,6 +14,7 @@ import seeds
 from bench.equal_error import Series, crossing
 from bench.instructions import read as read_counts
 from bench.rows import Found, Row, ratios, read, write
+from bench.waits import LIVE, METALS, ONE_METAL, ONE_PAINT, PRESETS, SHARED, wait_rows
 from common.processes import TOOLS
 
 pytestmark = pytest.mark.long
@@ -68,6 +69,20 @@ def test_a_time_of_nothing_gives_no_ratio_and_no_bar_that_holds() -> None:
     [bar] = Row("a over b", ratios([1.0], [0.0]), 2).bars("here")
     assert bar.value is None
     assert not bar.holds
+
+
+@pytest.mark.parametrize(("more", "holds"), [(0.049, True), (0.051, False)])
+def test_a_wait_may_be_twice_principleds_and_a_twentieth_of_a_second(
+    more: float, holds: bool
+) -> None:
+    metal = {"first": [0.1], "slider": [0.03], "move": [0.01], "frame": [0.01]}
+    paint = {"first": [0.2 + more], "slider": [0.06 + more], "made": [1.0]}
+    paint |= {"move": [0.01 + more], "frame": [0.01 + more]}
+    found = {ONE_METAL: metal, ONE_PAINT: paint, LIVE: paint, SHARED: paint, METALS: metal}
+    found[PRESETS] = {"first": [2.0 if holds else 2.1]}
+    judged = [bar for row in wait_rows(found) for bar in row.bars("here")]
+    assert len(judged) == 6
+    assert all(bar.holds is holds for bar in judged)
 
 
 @pytest.mark.parametrize("blender", ["4.5", ""])

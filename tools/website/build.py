@@ -36,6 +36,7 @@ PAGES = {
     },
     "For those who know the paper": {
         "Symbols and formulas": "docs/model/README.md",
+        "Closures": "docs/model/closures.md",
         "Fitted formulas": "docs/fits.md",
     },
     "Project": {
@@ -44,7 +45,7 @@ PAGES = {
     },
 }
 
-PICTURES = {".jpg", ".png", ".webp"}
+PICTURES = {".jpg", ".png", ".svg", ".webp"}
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
 
