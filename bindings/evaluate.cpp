@@ -163,7 +163,8 @@ operation; "double" is the reference. species: 0 to 2, whose counts are asked fo
 
 Returns a dict over pixels and lights: leader (n, m), the light whose cone and sparkles this one
 shares, -1 if it is below the surface; mean_count, slots (0 Poisson, k binomial) and count (n, m) of
-the sparkles of the species asked for; radiance, mean_radiance and variance (n, m, 3), of all
+the sparkles of the species asked for (seen close up, whether the flake there mirrors the light, and
+how probable that is); radiance, mean_radiance and variance (n, m, 3), of all
 species, per unit of the light's irradiance on a plane normal to it: 1/sr, and its square for the
 variance.
 The arrays share one piece of memory, which any of them keeps.

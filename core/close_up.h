@@ -280,30 +280,61 @@ Rgb<T> shown_by(const FirstFlake<T>& first, Rgb<T> reflectance, Rgb<T> slant) {
           shown(reflectance.z, slant.z)};
 }
 
-// T of a sample under a listed light: that of a mirror, where the flake's normal lies within rho of
-// n_f (paper, eq. 4), whichever light it is. The closed form counts S cos(alpha)/cos(theta_p) for
-// what a flake covers, in radiometry published over the cosine outside.
+// Whether the flake that a sample sees mirrors a listed light: its normal lies within rho of n_f
+// (paper, eq. 4).
 template <class T>
-Rgb<T> flake_radiance(const Layer<T>& layer, const Flakes<T>& flakes, const FirstFlake<T>& first,
-                      const ExpectedSparkles<T>& expected, const Passage<T>& way) {
+bool mirrors(const Flakes<T>& flakes, const FirstFlake<T>& first, const Passage<T>& way) {
   const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
-  if (!first.seen || !(inside > 0)) return {};
+  if (!first.seen || !(inside > 0)) return false;
   const Vec3<T> off = first.normal - Vec3<T>(way.mirror.flake_normal);
-  if (!(dot(off, off) < static_cast<T>(4 * quarter_cone(inside, way)))) return {};
-  const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
-  const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
-  return shown_by(first, expected.reflectance, way.slant) *
-         (expected.ceiling * expected.share * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
+  return dot(off, off) < static_cast<T>(4 * quarter_cone(inside, way));
 }
 
-// Var[T] of such samples: in E[T^2] stands e^-bz e^-2(x - b)z for e^-xz, and no T is above the
-// mirror's. Lights narrow enough that cos(alpha) is the same for all that show them.
+// The cosine of the view in the binder over that by which flakes cover the pixel: 1, but
+// cos(theta_p)/cos(theta) in radiometry published, which sees each flake cover so much more.
+template <class T>
+T covers_more(const Layer<T>& layer, const Passage<T>& way) {
+  return min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1)) / way.cos_exit;
+}
+
+// T of a sample whose flake mirrors the light, whichever it is: that of a mirror. A sample is
+// covered or not. So what published has a flake cover more, it shows more, beyond the mirror:
+// otherwise the mean would not stay.
+template <class T>
+Rgb<T> flake_radiance(const Layer<T>& layer, const FirstFlake<T>& first,
+                      const ExpectedSparkles<T>& expected, const Passage<T>& way) {
+  const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
+  return shown_by(first, expected.reflectance, way.slant) *
+         (expected.ceiling * expected.share * (cos_alpha / first.facing) * covers_more(layer, way));
+}
+
+// What is expected of such samples, in place of counts: one flake or none, and how bright it can
+// be. Over a point lie D H <S> Pr cos(alpha)/cos(theta_p) flakes that mirror the light. At the
+// depth z a share (1 - q) e^-bz of them is seen, so the mean count is
+//   integral over z of (1 - q) D H <S> Pr cos(alpha)/cos(theta_p) e^-bz,
+// where b alone, of all normals, bounds what stands before e^-bz.
+template <class T>
+ExpectedSparkles<T> expect_close(const Layer<T>& layer, const Flakes<T>& flakes,
+                                 const FirstFlake<T>& first, ExpectedSparkles<T> expected,
+                                 const Passage<T>& way) {
+  if (!(expected.ceiling > 0)) return expected;
+  const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
+  const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
+  const T over_a_point = flakes.coverage * expected.probability * (cos_alpha / cos_in);
+  expected.mean_count =
+      min((1 - first.passed) * over_a_point, first.hiding) * mean_transmittance(first.hiding);
+  expected.slots = 1;
+  expected.ceiling = expected.ceiling * covers_more(layer, way);
+  return expected;
+}
+
+// Var[T] of such samples: in E[T^2] stands e^-bz e^-2(x - b)z for e^-xz, and no T is above `most`.
+// Lights narrow enough that cos(alpha) is the same for all that show them.
 template <class T>
 Rgb<T> flake_radiance_variance(const Layer<T>& layer, const FirstFlake<T>& first,
                                const ExpectedSparkles<T>& expected, const Passage<T>& way) {
   if (!(expected.ceiling > 0)) return {};
-  const T cos_in = min(static_cast<T>(way.mirror.g_view) / layer.eta, T(1));
-  const T most = expected.ceiling * expected.share * (cos_in / way.cos_exit);
+  const T most = expected.ceiling * expected.share * covers_more(layer, way);
   const T left = layer.sparkle_contrast;
   const auto variance = [&](T mean, T reflectance, T x) {
     const T y = 2 * x - first.hiding;

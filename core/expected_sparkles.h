@@ -33,6 +33,7 @@ struct ExpectedSparkles {
   T ceiling{};                      // T of a pixel filled by a perfect mirror: nothing exceeds it
   T contrast{1};                    // share of the fluctuation that the paint shows
   T share{1};                       // of the light that sparkles: not what has melted of it
+  T probability{};                  // Pr: that a flake mirrors the light
 };
 
 // Probability that a flake's normal lies within rho of a direction at beta from the paint normal.
@@ -95,6 +96,7 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
                                     const Passage<T>& way, Wide<T> inside, T probability) {
   ExpectedSparkles<T> expected;
   expected.contrast = layer.sparkle_contrast;
+  expected.probability = probability;
   const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
 
   // T of a pixel that shows the light in a mirror, 1/Omega through the surface twice. Omega outside

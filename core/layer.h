@@ -45,7 +45,7 @@ struct Flakes {
 //
 // radiometry: published is the paper's formulas to the letter wherever its assumption holds, flakes
 // far below the pixel. Where fewer than kPoissonSlots flakes fill the pixel, it too is kept below
-// the mirror, by the same count and ceiling as exact.
+// the mirror, by the same count and ceiling as exact; flakes seen close up are not (close_up.h).
 template <class T>
 struct Layer {
   std::array<Flakes<T>, kSpecies> flakes;

@@ -47,7 +47,7 @@
 namespace metallic_paint {
 
 // All species of a layer under one light in one pixel; those seen close up show the flake there is.
-// Their sparkles are independent; together too they do not outshine the light in a mirror.
+// Their sparkles are independent; together too they do not exceed the largest ceiling.
 template <class T>
 struct PixelSparkles {
   std::array<ExpectedSparkles<T>, kSpecies> expected{};
@@ -95,19 +95,23 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
       key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
                          static_cast<T>(cone));
     }
-    const ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
+    ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
+    const Rgb<T> mean = mean_radiance(expected);
+    const Rgb<T> variance = first.close ? flake_radiance_variance(layer, first, expected, way)
+                                        : radiance_variance(expected);
     Sparkles<T> drawn;
     const T left = layer.sparkle_contrast;
     if (first.close && left > 0) {
-      drawn.radiance = flake_radiance(layer, flakes, first, expected, way);
-      drawn.count = max_component(drawn.radiance) > 0 ? T(1) : T(0);
-      if (left < 1) drawn.radiance = drawn.radiance * left + mean_radiance(expected) * (1 - left);
+      if (mirrors(flakes, first, way)) {
+        drawn.count = 1;
+        drawn.radiance = flake_radiance(layer, first, expected, way);
+      }
+      if (left < 1) drawn.radiance = drawn.radiance * left + mean * (1 - left);
+      expected = expect_close(layer, flakes, first, expected, way);
     } else {
       drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
     }
-    all.expect(at, expected, mean_radiance(expected),
-               first.close ? flake_radiance_variance(layer, first, expected, way)
-                           : radiance_variance(expected));
+    all.expect(at, expected, mean, variance);
     all.draw(at, drawn);
   }
   all.bound_by_mirror();

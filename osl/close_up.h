@@ -242,18 +242,39 @@ color shown_by(FirstFlake first, color reflectance, color slant)
   return min(reflectance / (1.0 - first.passed) * exponential((color(first.hiding) - slant) * first.depth), color(1.0));
 }
 
-color flake_radiance(Layer layer, Flakes flakes, FirstFlake first, ExpectedSparkles expected, Passage way)
+int mirrors(Flakes flakes, FirstFlake first, Passage way)
 {
   float inside = way.open ? cone_in_binder(flakes, way) : 0.0;
   if (!first.seen || !(inside > 0.0))
-    return color(0.0);
+    return 0;
   vector off = first.m - way.mirror.flake_normal;
-  if (!(inner_product(off, off) < 4.0 * quarter_cone(inside, way)))
-    return color(0.0);
+  return inner_product(off, off) < 4.0 * quarter_cone(inside, way);
+}
+
+float covers_more(Layer layer, Passage way)
+{
+  return min(way.mirror.g_view / layer.eta, 1.0) / way.cos_exit;
+}
+
+color flake_radiance(Layer layer, FirstFlake first, ExpectedSparkles expected, Passage way)
+{
+  float cos_alpha = way.mirror.cos_alpha;
+  return shown_by(first, expected.reflectance, way.slant) *
+         (expected.ceiling * expected.share * (cos_alpha / first.facing) * covers_more(layer, way));
+}
+
+ExpectedSparkles expect_close(Layer layer, Flakes flakes, FirstFlake first, ExpectedSparkles expected, Passage way)
+{
+  ExpectedSparkles close = expected;
+  if (!(close.ceiling > 0.0))
+    return close;
   float cos_alpha = way.mirror.cos_alpha;
   float cos_in = min(way.mirror.g_view / layer.eta, 1.0);
-  return shown_by(first, expected.reflectance, way.slant) *
-         (expected.ceiling * expected.share * (cos_alpha / first.facing) * (cos_in / way.cos_exit));
+  float over_a_point = flakes.coverage * close.probability * (cos_alpha / cos_in);
+  close.mean_count = min((1.0 - first.passed) * over_a_point, first.hiding) * mean_transmittance(first.hiding);
+  close.slots = 1;
+  close.ceiling = close.ceiling * covers_more(layer, way);
+  return close;
 }
 
 // `firsts` arrive as no_flake().

@@ -26,6 +26,7 @@ struct ExpectedSparkles {
   float ceiling;
   float contrast;
   float share;
+  float probability;
 };
 
 float flake_probability(OrientationDensity density, int radiometry, float sin2_half_beta, float sin2_half_rho)
@@ -54,6 +55,7 @@ ExpectedSparkles nothing_expected(Flakes flakes)
   expected.ceiling = 0.0;
   expected.contrast = 1.0;
   expected.share = 1.0;
+  expected.probability = 0.0;
   return expected;
 }
 
@@ -89,6 +91,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
   float cos_alpha = way.mirror.cos_alpha;
   ExpectedSparkles expected;
   expected.contrast = layer.sparkle_contrast;
+  expected.probability = probability;
   expected.slots = 0;
 
   expected.ceiling = way.surface_transmittance * way.ratio / inside;

@@ -71,11 +71,16 @@ PixelSparkles sparkle(Layer layer, float library[], SurfacePoint surface,
     drawn.count = floor(expected.mean_count + 0.5);
     drawn.radiance = min(mean, color(expected.ceiling));
     if (!only_mean && first.close) {
-      drawn.radiance = flake_radiance(layer, some, first, expected, way);
-      drawn.count = max(max(drawn.radiance[0], drawn.radiance[1]), drawn.radiance[2]) > 0.0 ? 1.0 : 0.0;
+      drawn.count = 0.0;
+      drawn.radiance = color(0.0);
+      if (mirrors(some, first, way)) {
+        drawn.count = 1.0;
+        drawn.radiance = flake_radiance(layer, first, expected, way);
+      }
       float left = layer.sparkle_contrast;
       if (left < 1.0)
         drawn.radiance = drawn.radiance * left + mean * (1.0 - left);
+      expected = expect_close(layer, some, first, expected, way);
     }
     else if (!only_mean)
       drawn = draw_sparkles(expected, some.area_spread, key, x, y);

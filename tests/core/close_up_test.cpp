@@ -188,13 +188,13 @@ TEST(CloseUp, APointIsCoveredAsOftenAsThePoissonLawSays) {
 TEST(CloseUp, TheMeanOfTheSparklesIsTheClosedForms) {
   // For every radiometry, depth model, coverage and angle; of each scene one colour.
   Random random(run_seed() + 1);
-  Comparisons means, squares;
+  Comparisons means, squares, counts;
   for (int k = 0; k < 150 / kFewer;) {
     TestScene scene;
     scene.paint = close_paint(random);
     aim(scene, random, 3);
-    // Squares of every other scene. Of lights wide against the tilt P and cos(alpha) are those of
-    // the centre.
+    // Squares and counts of every other scene. Of lights wide against the tilt P and cos(alpha) are
+    // those of the centre.
     const bool squared = k % 2 == 0;
     if (squared) scene.paint.radiometry = Radiometry::exact;
     scene.light_sine = rounded(random.log_uniform(0.01, squared ? 0.05 : 0.5));
@@ -222,23 +222,34 @@ TEST(CloseUp, TheMeanOfTheSparklesIsTheClosedForms) {
     if (!(draws < 200'000)) continue;
     const OwnAxes own = any_axes(random);
     const Vec3<double> inside = view_inside(layer, scene.normal, scene.view);
-    Moments found, square;
-    double variance = 0;
+    Moments found, square, count;
+    double variance = 0, mean_count = 0;
+    std::array<FirstFlake<double>, kSpecies> firsts;
+    for (FirstFlake<double>& other : firsts) other.close = true;  // and nothing seen of them
     while (found.n < draws) {
-      const auto first =
-          first_flake(layer, flakes, scene.normal, inside, dot(inside, scene.normal),
-                      lattice_across(own, scene.normal, random), 0.0, key_of(random));
-      const double shown = channel(flake_radiance(layer, flakes, first, expected, way), k % 3);
+      firsts[i] = first_flake(layer, flakes, scene.normal, inside, dot(inside, scene.normal),
+                              lattice_across(own, scene.normal, random), 0.0, key_of(random));
+      double shown = 0, one = 0;
+      if (mirrors(flakes, firsts[i], way)) {
+        const auto all = sparkle(layer, point, firsts, way, 0, 0, 0);
+        shown = channel(all.radiance, k % 3);
+        one = all.count[i];
+        variance = channel(flake_radiance_variance(layer, firsts[i], expected, way), k % 3);
+        mean_count = all.expected[i].mean_count;
+      }
       found.add(shown);
       square.add(shown * shown);
-      variance = channel(flake_radiance_variance(layer, first, expected, way), k % 3);
+      count.add(one);
     }
     means.see(z_of(found, mean), scene);
     ++k;
-    if (squared) squares.see(z_of(square, variance + mean * mean), scene);
+    if (!squared) continue;
+    squares.see(z_of(square, variance + mean * mean), scene);
+    counts.see(z_of(count, mean_count), scene);
   }
   means.expect_chance();
   squares.expect_chance();
+  counts.expect_chance();
 }
 
 TEST(CloseUp, FlakesThatTransmitAreSeenThrough) {
