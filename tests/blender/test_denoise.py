@@ -169,6 +169,7 @@ def test_sparkles_pass_by_the_denoiser_and_noise_does_not(sun: str) -> None:
     assert kept[0][ball].mean() == pytest.approx(noisy[ball].mean(), rel=0.01)
 
 
+@pytest.mark.long
 def test_the_alpha_of_a_transparent_film_stays() -> None:
     scene = build()
     scene.render.film_transparent = True
@@ -338,6 +339,7 @@ def test_a_view_layer_that_is_gone_is_told_of() -> None:
     assert gone == "The view layer “ViewLayer” is gone, and its passes with it."
 
 
+@pytest.mark.long
 def test_what_came_since_is_told_until_one_presses_again(registered: None) -> None:
     scene = build()
     denoise.set_up(scene)
@@ -513,6 +515,7 @@ def test_several_view_layers_are_the_artists() -> None:
         denoise.set_up(scene)
 
 
+@pytest.mark.long
 def test_a_scene_without_lamps_is_denoised_too() -> None:
     scene = build()
     bpy.data.objects.remove(scene.objects["Sun"])

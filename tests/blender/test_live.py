@@ -215,6 +215,7 @@ def rendered_alone(file: Path, folder: Path) -> np.ndarray:
     return read(folder / "alone-1.exr")
 
 
+@pytest.mark.long
 def test_a_saved_file_shows_the_live_values_without_the_add_on(
     ball: bpy.types.Object, tmp_path: Path
 ) -> None:
@@ -226,6 +227,7 @@ def test_a_saved_file_shows_the_live_values_without_the_add_on(
     np.testing.assert_array_equal(rendered_alone(file, tmp_path), here)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("link", [True, False], ids=["linked", "appended"])
 def test_the_material_alone_brings_the_values_of_the_last_save(
     ball: bpy.types.Object, link: bool, tmp_path: Path
@@ -278,6 +280,7 @@ def test_saving_settles_the_values(ball: bpy.types.Object, tmp_path: Path) -> No
     assert live.value(node.inputs["Tilt"]) == 0.25
 
 
+@pytest.mark.long
 def test_a_copy_has_the_same_sliders_until_it_gets_its_own(ball: bpy.types.Object) -> None:
     """Nothing but a step that can be undone makes a group: undo would free any other."""
     node = go_live(ball)
@@ -491,6 +494,7 @@ def test_the_button_keeps_what_would_be_lost(ball: bpy.types.Object) -> None:
             bpy.ops.material.metallic_paint_live()
 
 
+@pytest.mark.long
 def test_verify_checks_the_live_values(ball: bpy.types.Object, tmp_path: Path) -> None:
     node = go_live(ball)
     live.set_value(node.inputs["Flakes per mm²"], 400.0)
@@ -502,6 +506,7 @@ def test_verify_checks_the_live_values(ball: bpy.types.Object, tmp_path: Path) -
     assert node.inputs["Flakes per mm²"].default_value == 400  # what it was checked with
 
 
+@pytest.mark.long
 def test_a_paint_within_a_group_can_be_live(ball: bpy.types.Object) -> None:
     nest_paint(ball.active_material)
     needs.fit(bpy.context.scene)
@@ -532,6 +537,7 @@ def test_an_overridden_paint_cannot_be_live(ball: bpy.types.Object, tmp_path: Pa
     assert sorted(node.name for node in ball.active_material.node_tree.nodes) == nodes
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("label", "value"),
     [("Flakes per mm²", 0.0), ("Tilt", 1e-6), ("Layer Thickness (µm)", 0.0),

@@ -121,6 +121,7 @@ def test_an_artists_scene_agrees_and_stays_as_it_is(registered: None) -> None:
     assert scene.name in bpy.data.scenes
 
 
+@pytest.mark.long
 def test_the_numbers_are_those_of_every_pixel() -> None:
     scene = build()
     found = run(scene, scene.objects["Monkey"], SIZE)
@@ -133,6 +134,7 @@ def test_the_numbers_are_those_of_every_pixel() -> None:
     assert found.notes[-1].startswith("The core is metallic_paint_core")
 
 
+@pytest.mark.long
 def test_a_paint_that_is_new_in_every_frame_agrees_at_the_scenes_frame() -> None:
     scene = build()
     node = material.paint_node(scene.objects["Monkey"].active_material)
@@ -144,6 +146,7 @@ def test_a_paint_that_is_new_in_every_frame_agrees_at_the_scenes_frame() -> None
         assert found.agrees, str(found)
 
 
+@pytest.mark.long
 def test_links_are_told_and_their_sockets_values_are_checked() -> None:
     scene = build()
     paint = scene.objects["Monkey"].active_material
@@ -155,6 +158,7 @@ def test_links_are_told_and_their_sockets_values_are_checked() -> None:
     assert "what is linked to Flake Color" in found.notes[0]
 
 
+@pytest.mark.long
 def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
     """The check of one process, where the core takes another paint than the shader."""
     scene = build()
@@ -171,6 +175,7 @@ def test_a_wrong_core_is_found_out(tmp_path: Path) -> None:
     assert "DO NOT agree" in str(found)
 
 
+@pytest.mark.long
 def test_a_wrong_core_under_the_sparkles_is_found_out(tmp_path: Path) -> None:
     scene = build()
     thing = scene.objects["Monkey"]
@@ -187,6 +192,7 @@ def test_a_wrong_core_under_the_sparkles_is_found_out(tmp_path: Path) -> None:
     assert not found.agrees
 
 
+@pytest.mark.long
 def test_lamps_that_share_a_name_are_lit_one_by_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -214,6 +220,7 @@ def test_lamps_that_share_a_name_are_lit_one_by_one(
     assert sorted(lit, key=lambda lamps: lamps != [own]) == [[own], [linked]]
 
 
+@pytest.mark.long
 def test_progress_is_told_and_a_stopped_job_leaves_nothing() -> None:
     scene = build()
     job = Job(scene, scene.objects["Monkey"], SIZE)
@@ -261,6 +268,7 @@ def operator() -> Iterator[SimpleNamespace]:
         interface._running.pop().close()
 
 
+@pytest.mark.long
 def test_the_modal_operator_lets_the_interface_live_until_it_is_done(
     registered: None, operator: SimpleNamespace
 ) -> None:
@@ -288,6 +296,7 @@ def failing(error: Exception) -> tuple[SimpleNamespace, list[bool]]:
     return SimpleNamespace(poll=lambda: True, pictures=pictures, close=close), closed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("error", [FileNotFoundError("a folder"), VerifyError("cut off")])
 def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
     operator: SimpleNamespace, error: Exception
@@ -300,6 +309,7 @@ def test_a_check_that_fails_at_its_end_makes_room_for_the_next(
     assert not interface._running
 
 
+@pytest.mark.long
 def test_an_error_of_ours_is_not_swallowed_and_makes_room_too(operator: SimpleNamespace) -> None:
     job, closed = failing(ValueError("a bug"))
     interface._running.append(job)
@@ -310,6 +320,7 @@ def test_an_error_of_ours_is_not_swallowed_and_makes_room_too(operator: SimpleNa
     assert not interface._running
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("left", [None, b"", b"\x93NUMPY\x01\x00", b"cut off"])
 def test_pictures_that_are_not_whole_are_told(tmp_path: Path, left: bytes | None) -> None:
     if left is not None:
@@ -318,6 +329,7 @@ def test_pictures_that_are_not_whole_are_told(tmp_path: Path, left: bytes | None
         Job.pictures(SimpleNamespace(folder=tmp_path))
 
 
+@pytest.mark.long
 def test_a_scene_that_cannot_be_copied_is_told(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -331,6 +343,7 @@ def test_a_scene_that_cannot_be_copied_is_told(
     assert not folder.exists()
 
 
+@pytest.mark.long
 def test_an_error_in_the_other_blender_comes_with_its_traceback(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -345,6 +358,7 @@ def test_an_error_in_the_other_blender_comes_with_its_traceback(
     assert "Traceback" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_escape_stops_the_modal_operator(operator: SimpleNamespace) -> None:
     scene = build()
     job = Job(scene, scene.objects["Monkey"], SIZE)
@@ -368,11 +382,12 @@ def test_what_shows_as_instances_alone_is_said() -> None:
         run(scene, thing, SIZE)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(  # each is two minutes: Blender compiles a linked paint for each picture
     "what",
     [
-        pytest.param("material", marks=pytest.mark.long),
-        pytest.param("object", marks=pytest.mark.long),
+        "material",
+        "object",
         "override",
     ],
 )
@@ -403,6 +418,7 @@ def test_a_linked_paint_is_checked_under_the_lights_of_this_file(tmp_path: Path,
     assert found.pixels > 100
 
 
+@pytest.mark.long
 def test_a_linked_paint_is_refused_where_it_keeps_the_lights_of_its_file(
     tmp_path: Path,
 ) -> None:
@@ -430,6 +446,7 @@ def nest_with_tilt(painted: bpy.types.Material, tilt: float) -> None:
     outer.inputs["How rough"].default_value = tilt
 
 
+@pytest.mark.long
 def test_a_paint_within_a_node_group_is_checked_with_what_the_group_is_given() -> None:
     scene = build()
     thing = scene.objects["Monkey"]

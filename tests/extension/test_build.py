@@ -80,6 +80,7 @@ def no_core(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delitem(sys.modules, name)
 
 
+@pytest.mark.long
 def test_output_must_be_a_folder(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("mine")
@@ -88,6 +89,7 @@ def test_output_must_be_a_folder(tmp_path: Path) -> None:
     assert file.read_text() == "mine"
 
 
+@pytest.mark.long
 def test_unknown_platform_is_refused_with_the_known_ones() -> None:
     refused = run("--platform", "amiga")
     assert refused.returncode == 2
@@ -95,6 +97,7 @@ def test_unknown_platform_is_refused_with_the_known_ones() -> None:
         assert name in refused.stderr.splitlines()[-1]
 
 
+@pytest.mark.long
 def test_zip_is_named_by_version_and_platform_and_holds_no_trace_of_this_machine(
     own: Path, foreign: Path
 ) -> None:
@@ -121,6 +124,7 @@ def test_asset_library_holds_no_trace_of_this_machine(own: Path, tmp_path: Path)
     assert str(ROOT).encode() not in content
 
 
+@pytest.mark.long
 def test_foreign_zip_differs_by_platform_and_native_module_only(own: Path, foreign: Path) -> None:
     ours, theirs = contents(own), contents(foreign)
     our_manifest, manifest = (tomllib.loads(each.pop(MANIFEST).decode()) for each in (ours, theirs))
@@ -131,6 +135,7 @@ def test_foreign_zip_differs_by_platform_and_native_module_only(own: Path, forei
     assert [name for name in theirs if theirs[name] != ours[name]] == []
 
 
+@pytest.mark.long
 def test_native_module_is_in_the_zip_for_each_python_and_taken_from_given_wheels(
     own: Path, tmp_path: Path
 ) -> None:
@@ -150,12 +155,14 @@ def test_native_module_is_in_the_zip_for_each_python_and_taken_from_given_wheels
     assert {name: theirs[name] for name in theirs if is_native(name)} == native
 
 
+@pytest.mark.long
 def test_folder_of_wheels_must_be_one(tmp_path: Path) -> None:
     refused = run("--wheels", tmp_path / "none")
     said = f"--wheels {tmp_path / 'none'}: not a folder.\n"
     assert (refused.returncode, refused.stderr) == (1, said)
 
 
+@pytest.mark.long
 def test_this_blender_finds_the_foreign_zip_valid_and_refuses_it(
     foreign: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -167,6 +174,7 @@ def test_this_blender_finds_the_foreign_zip_valid_and_refuses_it(
     assert f"isn't one of ({FOREIGN})" in capfd.readouterr().out
 
 
+@pytest.mark.long
 def test_shader_survives_the_encodings_of_other_systems(foreign: Path) -> None:
     """Blender writes it for the compiler in that of the system, which need not be UTF-8."""
     for name, content in contents(foreign).items():
