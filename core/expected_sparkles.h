@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "flake_area.h"
 #include "layer.h"
@@ -53,7 +54,7 @@ inline constexpr int kPoissonSlots = 16;
 
 // No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
 template <class T>
-inline constexpr double kLeastCone = kSingle<T> ? 1e-18 : 1e-100;
+inline constexpr double kLeastCone = std::is_same_v<T, float> ? 1e-18 : 1e-100;
 
 // The light in the binder as flakes see it that spread light themselves, sr: Delta_eff^2 = Delta^2
 // + epsilon^2. 0 for a point light on perfect mirrors: no flake ever meets it.
