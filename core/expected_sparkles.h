@@ -155,7 +155,7 @@ template <class T>
 ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
                                     const Passage<T>& way) {
   const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
-  if (!(inside > 0)) return {};
+  if (!(inside > 0)) return {.area = flakes.area};
   Wide<T> probability = flake_probability(flakes.orientation, layer.radiometry,
                                           way.mirror.sin2_half_beta, quarter_cone(inside, way));
   if (way.outline.given) {
