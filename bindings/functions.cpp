@@ -17,6 +17,28 @@
 namespace py = pybind11;
 using namespace metallic_paint;
 
+namespace {
+
+// Calls work(i) for each i below n without the interpreter's lock. Few are done before anyone could
+// press a key.
+void each_element(py::ssize_t n, const auto& work) {
+  const auto until_stopped = [&](const std::stop_token& stop) {
+    for (py::ssize_t i = 0; i < n && !stop.stop_requested(); ++i) work(i);
+  };
+  interruptible(until_stopped, n <= 1 << 10);
+}
+
+// f(i) in the shape of an array; of one without dimensions a number.
+py::object each_result(const Array<double>& shape, const auto& f) {
+  py::array_t<double> results(
+      std::vector<py::ssize_t>(shape.shape(), shape.shape() + shape.ndim()));
+  double* to = results.mutable_data();
+  each_element(results.size(), [&](py::ssize_t i) { to[i] = f(i); });
+  return shape.ndim() == 0 ? py::object(py::float_(*to)) : results;
+}
+
+}  // namespace
+
 // The pieces of the model, element by element over arrays that broadcast.
 void bind_functions(py::module_& module) {
   module.def(
@@ -33,12 +55,12 @@ void bind_functions(py::module_& module) {
             from_python<int>("frame", frame, kInt32), from_python<int>("seed", seed, kInt32));
         const int draw = from_python<int>("draw", draws, kInt32);
         py::array_t<std::uint32_t> words({x.size(), py::ssize_t{4}});
-        for (py::ssize_t i = 0; i < x.size(); ++i) {
-          look_for_signals();
+        std::uint32_t* to = words.mutable_data();
+        each_element(x.size(), [&](py::ssize_t i) {
           const HashWords w = draw_words(key, x.data()[i], y.data()[i], draw);
-          std::uint32_t* row = words.mutable_data(i, 0);
+          std::uint32_t* row = to + 4 * i;
           row[0] = w.x, row[1] = w.y, row[2] = w.z, row[3] = w.w;
-        }
+        });
         return words;
       },
       py::arg("x"), py::arg("y"), py::kw_only(), py::arg("light") = 0, py::arg("species") = 0,
@@ -50,14 +72,15 @@ integers. Returns uint32 (n, 4).)doc");
   module.def(
       "count_deviate",
       [](py::handle mean, py::handle slots, py::handle uniform) {
-        const Array<double> m = numbers("mean", mean), k = numbers("slots", slots),
-                            u = numbers("uniform", uniform);
-        require_broadcast("mean, slots and uniform", {m, k, u});
-        return py::vectorize([](double one_mean, double one_slots, double one_uniform) {
-          look_for_signals();
+        const auto all = broadcast(
+            "mean, slots and uniform",
+            {numbers("mean", mean), numbers("slots", slots), numbers("uniform", uniform)});
+        const double *m = all[0].data(), *k = all[1].data(), *u = all[2].data();
+        return each_result(all[0], [&](py::ssize_t i) {
+          const double one_mean = m[i], one_slots = k[i], one_uniform = u[i];
           validate_count(one_mean, one_slots, one_uniform);
           return count_deviate(one_mean, static_cast<int>(one_slots), one_uniform);
-        })(m, k, u);
+        });
       },
       py::arg("mean"), py::arg("slots"), py::arg("uniform"),
       R"doc(How many sparkles a pixel has, for a uniform deviate (paper, step 3; the binomial is ours).
@@ -68,11 +91,12 @@ broadcast. Returns whole float64 numbers of the common shape; they fall as unifo
   module.def(
       "normal_quantile",
       [](py::handle probability) {
-        return py::vectorize([](double p) {
-          look_for_signals();
+        const Array<double> all = numbers("probability", probability);
+        return each_result(all, [&](py::ssize_t i) {
+          const double p = all.data()[i];
           validate_probability(p);
           return normal_quantile(p);
-        })(numbers("probability", probability));
+        });
       },
       py::arg("probability"), R"doc(The standard normal deviate x with Phi(x) = probability.
 
@@ -80,14 +104,15 @@ probability: above 0, at most 1, of any shape. Returns float64 of that shape; fi
   module.def(
       "fresnel_transmittance",
       [](py::handle cos_theta, py::handle eta) {
-        const Array<double> cosines = numbers("cos_theta", cos_theta), etas = numbers("eta", eta);
-        require_broadcast("cos_theta and eta", {cosines, etas});
-        return py::vectorize([](double cosine, double one_eta) {
-          look_for_signals();
+        const auto all =
+            broadcast("cos_theta and eta", {numbers("cos_theta", cos_theta), numbers("eta", eta)});
+        const double *cosines = all[0].data(), *etas = all[1].data();
+        return each_result(all[0], [&](py::ssize_t i) {
+          const double cosine = cosines[i], one_eta = etas[i];
           validate_cosine(cosine);
           validate_eta(one_eta);
           return fresnel_transmittance(cosine, eta_cos_refracted(cosine, one_eta), one_eta);
-        })(cosines, etas);
+        });
       },
       py::arg("cos_theta"), py::arg("eta"),
       R"doc(1 - r_eta, the unpolarised transmittance of the binder's surface (Fresnel).
@@ -100,12 +125,13 @@ to 10. The two broadcast. Returns float64 from 0 (total reflection) to 1.)doc");
         const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
-        return py::vectorize([&](double angle) {
-          look_for_signals();
+        const Array<double> angles = numbers("beta", beta);
+        return each_result(angles, [&](py::ssize_t i) {
+          const double angle = angles.data()[i];
           validate_beta(angle);
           const double half = std::sin(angle / 2);
           return orientation_density(density, half * half);
-        })(numbers("beta", beta));
+        });
       },
       py::arg("paint"), py::arg("beta"),
       R"doc(P(beta), the density of the tilt of the flakes of a paint's first species (paper, 5.3.1).
@@ -118,11 +144,12 @@ of that shape, 1/rad; P(beta) sin(beta) integrates to 1 over beta.)doc");
         const Paint& paint = object_of<Paint>("paint", one_paint);
         metallic_paint::validate(paint);
         const auto density = make_orientation(paint.orientation, paint.tilt);
-        return py::vectorize([&](double cosine) {
-          look_for_signals();
+        const Array<double> cosines = numbers("cos_theta", cos_theta);
+        return each_result(cosines, [&](py::ssize_t i) {
+          const double cosine = cosines.data()[i];
           validate_cosine(cosine);
           return mean_projected_area(density, cosine);
-        })(numbers("cos_theta", cos_theta));
+        });
       },
       py::arg("paint"), py::arg("cos_theta"),
       R"doc(<s>, the mean projected area of a flake of unit area along a ray (paper, 5.3.3).
@@ -141,19 +168,20 @@ float64 of that shape, 0 to 1, for the flakes of the paint's first species.)doc"
         require_shape("light", light, {normal.shape(0), 3});
         const Layer<double> layer = make_layer<double>(paint);
         py::array_t<double> brdf({normal.shape(0), py::ssize_t{3}});
+        double* to = brdf.mutable_data();
         const auto unit = [](const char* field, const Array<double>& a, py::ssize_t i) {
-          const Vec3<double> direction{a.at(i, 0), a.at(i, 1), a.at(i, 2)};
+          const double* row = a.data() + 3 * i;
+          const Vec3<double> direction{row[0], row[1], row[2]};
           validate_direction(field, static_cast<std::size_t>(i), direction);
           return direction;
         };
-        for (py::ssize_t i = 0; i < normal.shape(0); ++i) {
-          look_for_signals();
+        each_element(normal.shape(0), [&](py::ssize_t i) {
           const Vec3<double> n = unit("normal", normal, i), v = unit("view", view, i),
                              l = unit("light", light, i);
           const Rgb<double> f = flake_brdf(layer, n, v, l);
-          double* out = brdf.mutable_data(i, 0);
+          double* out = to + 3 * i;
           out[0] = f.x, out[1] = f.y, out[2] = f.z;
-        }
+        });
         return brdf;
       },
       py::arg("paint"), py::arg("normal"), py::arg("view"), py::arg("light"),
@@ -172,21 +200,24 @@ in 1/sr; 0 where view or light is below the surface.)doc");
         require_shape("coating_nm", nm, {size});
         require_shape("cos_alpha", cosine, {size});
         py::array_t<float> colours({py::ssize_t{2}, size, py::ssize_t{3}});
-        for (py::ssize_t i = 0; i < size; ++i) {
-          look_for_signals();
-          require_library_coating("coating", kind.at(i), nm.at(i));
-          require_range(at_row("cos_alpha", static_cast<std::size_t>(i)), cosine.at(i), 0, 1);
+        float* to = colours.mutable_data();
+        each_element(size, [&](py::ssize_t i) {
+          // Each is read once: whoever has the lock now may write to it.
+          const int one_kind = kind.data()[i];
+          const double one_nm = nm.data()[i], one_cosine = cosine.data()[i];
+          require_library_coating("coating", one_kind, one_nm);
+          require_range(at_row("cos_alpha", static_cast<std::size_t>(i)), one_cosine, 0, 1);
           Coating<float> coating{};
-          coating.kind = static_cast<CoatingKind>(kind.at(i));
-          coating.thickness_nm = static_cast<float>(nm.at(i));
-          const auto c = static_cast<float>(cosine.at(i));
+          coating.kind = static_cast<CoatingKind>(one_kind);
+          coating.thickness_nm = static_cast<float>(one_nm);
+          const auto c = static_cast<float>(one_cosine);
           const Rgb<float> both[2] = {coating_reflectance(coating, c),
                                       coating_transmittance(coating, c)};
           for (py::ssize_t j = 0; j < 2; ++j) {
-            float* out = colours.mutable_data(j, i, 0);
+            float* out = to + 3 * (j * size + i);
             out[0] = both[j].x, out[1] = both[j].y, out[2] = both[j].z;
           }
-        }
+        });
         return colours;
       },
       py::arg("coating"), py::arg("coating_nm"), py::arg("cos_alpha"),
@@ -209,14 +240,13 @@ the binder, 0 to 1. Returns float32 (2, n, 3): reflectance, then transmittance, 
         const int frame = from_python<int>("frame", frames, kInt32);
         const int seed = from_python<int>("seed", seeds, kInt32);
         py::array_t<float> factor(footprint.size());
-        for (py::ssize_t i = 0; i < footprint.size(); ++i) {
-          look_for_signals();
-          require_range(at_row("footprint", static_cast<std::size_t>(i)), footprint.data()[i], 0,
-                        1e30, " m2");
-          factor.mutable_data()[i] =
-              pixel_texture(static_cast<float>(contrast), static_cast<float>(footprint.data()[i]),
-                            x.data()[i], y.data()[i], frame, seed);
-        }
+        float* to = factor.mutable_data();
+        each_element(footprint.size(), [&](py::ssize_t i) {
+          const double area = footprint.data()[i];
+          require_range(at_row("footprint", static_cast<std::size_t>(i)), area, 0, 1e30, " m2");
+          to[i] = pixel_texture(static_cast<float>(contrast), static_cast<float>(area), x.data()[i],
+                                y.data()[i], frame, seed);
+        });
         return factor;
       },
       py::arg("contrast"), py::arg("footprint"), py::arg("x"), py::arg("y"), py::kw_only(),
@@ -240,18 +270,19 @@ float32 (n,), as the shader has it, with a mean of 1.)doc");
         shape.push_back(3);
         py::array_t<double> diffuse(shape), glossy(shape), returned(shape);
         double *to_diffuse = diffuse.mutable_data(), *to_glossy = glossy.mutable_data(),
-               *to_returned = returned.mutable_data();
-        for (py::ssize_t i = 0; i < cosines.size(); ++i) {
-          look_for_signals();
-          require_range("cos_view", cosines.data()[i], 0, 1);
-          const Mixture<double> m = mixture(layer, substrate, cosines.data()[i]);
+               *to_returned = returned.mutable_data(), *to_alpha = alpha.mutable_data(),
+               *to_exponent = exponent.mutable_data(), *to_above = above.mutable_data();
+        each_element(cosines.size(), [&](py::ssize_t i) {
+          const double cosine = cosines.data()[i];
+          require_range("cos_view", cosine, 0, 1);
+          const Mixture<double> m = mixture(layer, substrate, cosine);
           for (const double x : {m.diffuse.x, m.diffuse.y, m.diffuse.z}) *to_diffuse++ = x;
           for (const double x : {m.glossy.x, m.glossy.y, m.glossy.z}) *to_glossy++ = x;
           for (const double x : {m.returned.x, m.returned.y, m.returned.z}) *to_returned++ = x;
-          alpha.mutable_data()[i] = m.alpha;
-          exponent.mutable_data()[i] = m.exponent;
-          above.mutable_data()[i] = m.above;
-        }
+          to_alpha[i] = m.alpha;
+          to_exponent[i] = m.exponent;
+          to_above[i] = m.above;
+        });
         py::dict found;
         found["diffuse"] = diffuse;
         found["glossy"] = glossy;

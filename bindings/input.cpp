@@ -190,16 +190,25 @@ void require_rows_of_3(const char* field, const py::array& array) {
   if (array.ndim() != 2 || array.shape(1) != 3) reject_shape(field, array, "(n, 3)");
 }
 
-void require_broadcast(const char* fields, const std::vector<py::array>& arrays) {
-  py::list shapes;
-  for (const py::array& array : arrays) shapes.append(array.attr("shape"));
+std::vector<Array<double>> broadcast(const char* fields, const std::vector<Array<double>>& arrays) {
+  py::list given, shapes;
+  for (const Array<double>& array : arrays) {
+    given.append(array);
+    shapes.append(array.attr("shape"));
+  }
+  py::object views;
   try {
-    py::module_::import("numpy").attr("broadcast_shapes")(*shapes);
+    views = py::module_::import("numpy").attr("broadcast_arrays")(*given);
   } catch (const py::error_already_set& error) {
     if (!is_about_value(error)) throw;
     throw py::value_error(std::string(fields) + " have the shapes " +
                           py::str(shapes).cast<std::string>() + ", but must fit one another");
   }
+  std::vector<Array<double>> contiguous;
+  for (const py::handle view : views) {
+    contiguous.emplace_back(py::reinterpret_borrow<py::object>(view));
+  }
+  return contiguous;
 }
 
 void reject_type(const std::string& argument, py::handle value, const std::string& wanted) {

@@ -32,6 +32,26 @@ std::vector<Light<double>> lights_of(py::handle value) {
   return lights;
 }
 
+namespace {
+
+Light<double> make_light(py::handle kind, py::handle vector, py::handle size, py::handle facing) {
+  const Light<double> light{
+      from_python<LightKind>("light.kind", kind,
+                             "LightKind.unused, .parallel, .positional, .area or .sky"),
+      three_numbers("light.vector", vector), from_python<double>("light.size", size, kNumber),
+      facing.is_none() ? metallic_paint::Vec3<double>{} : three_numbers("light.facing", facing)};
+  metallic_paint::validate(light);
+  return light;
+}
+
+py::tuple tuple_of(const metallic_paint::Vec3<double>& v) { return py::make_tuple(v.x, v.y, v.z); }
+
+py::tuple fields_of(const Light<double>& light) {
+  return py::make_tuple(light.kind, tuple_of(light.vector), light.size, tuple_of(light.facing));
+}
+
+}  // namespace
+
 void bind_light(py::module_& module) {
   py::native_enum<LightKind>(module, "LightKind", "enum.IntEnum")
       .value("unused", LightKind::unused)
@@ -49,26 +69,20 @@ axis), size is the sine of its angular radius, 0 to 1; sky: the same of the sun 
 positional: vector is the centre and size the radius, in scene units, 0 to 1e30. area: flat and seen
 from the side that facing points to; size is the radius of a disc of its area, facing is as long as
 its farthest point is from the centre.)doc")
-      .def(py::init([](py::handle kind, py::handle vector, py::handle size, py::handle facing) {
-             const Light<double> light{
-                 from_python<LightKind>("light.kind", kind,
-                                        "LightKind.unused, .parallel, .positional, .area or .sky"),
-                 three_numbers("light.vector", vector),
-                 from_python<double>("light.size", size, kNumber),
-                 facing.is_none() ? metallic_paint::Vec3<double>{}
-                                  : three_numbers("light.facing", facing)};
-             metallic_paint::validate(light);
-             return light;
-           }),
-           py::arg("kind"), py::arg("vector"), py::arg("size"), py::arg("facing") = py::none())
+      .def(py::init(&make_light), py::arg("kind"), py::arg("vector"), py::arg("size"),
+           py::arg("facing") = py::none())
       .def_readonly("kind", &Light<double>::kind)
-      .def_property_readonly("vector",
-                             [](const Light<double>& light) {
-                               return py::make_tuple(light.vector.x, light.vector.y,
-                                                     light.vector.z);
-                             })
+      .def_property_readonly("vector", [](const Light<double>& l) { return tuple_of(l.vector); })
       .def_readonly("size", &Light<double>::size)
-      .def_property_readonly("facing", [](const Light<double>& light) {
-        return py::make_tuple(light.facing.x, light.facing.y, light.facing.z);
-      });
+      .def_property_readonly("facing", [](const Light<double>& l) { return tuple_of(l.facing); })
+      .def(
+          "__eq__",
+          [](const Light<double>& one, const Light<double>& other) {
+            return fields_of(one).equal(fields_of(other));
+          },
+          py::is_operator())
+      .def("__hash__", [](const Light<double>& light) { return py::hash(fields_of(light)); })
+      .def(py::pickle(&fields_of, [](const py::tuple& all) {
+        return make_light(all[0], all[1], all[2], all[3]);
+      }));
 }

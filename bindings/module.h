@@ -36,11 +36,6 @@ void bind_reference_walk(pybind11::module_& module);
 // own, which takes longer than a pixel.
 void interruptible(const std::function<void(const std::stop_token&)>& work, bool brief = false);
 
-// Lets a loop that holds the lock be interrupted; cheap enough for each element.
-inline void look_for_signals() {
-  if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
-}
-
 // A contiguous array of T.
 template <class T>
 using Array = pybind11::array_t<T, pybind11::array::c_style | pybind11::array::forcecast>;
@@ -76,7 +71,8 @@ void require_shape(const char* field, const pybind11::array& array,
                    std::initializer_list<pybind11::ssize_t> shape);
 void require_one_dimension(const char* field, const pybind11::array& array);
 void require_rows_of_3(const char* field, const pybind11::array& array);
-void require_broadcast(const char* fields, const std::vector<pybind11::array>& arrays);
+// In the shape to which all of them broadcast.
+std::vector<Array<double>> broadcast(const char* fields, const std::vector<Array<double>>& arrays);
 
 template <class T>
 T from_python(const char* field, pybind11::handle value, const char* range) {

@@ -117,20 +117,47 @@ auto properties_of(Class& cls) {
   };
 }
 
+template <class C>
+bool is_field(py::handle name) {
+  const py::object attribute = py::getattr(py::type::of<C>(), name, py::none());
+  return PyObject_TypeCheck(attribute.ptr(), &PyProperty_Type) != 0;
+}
+
 // An object of that class with these fields.
 template <class C>
 C from_keywords(const py::kwargs& fields) {
   py::object self = py::cast(C{});
   const py::object type = py::type::of<C>();
   for (const auto& [name, value] : fields) {
-    const py::object field = py::getattr(type, name, py::none());
-    if (!PyObject_TypeCheck(field.ptr(), &PyProperty_Type)) {
+    if (!is_field<C>(name)) {
       throw py::type_error(py::cast<std::string>(type.attr("__name__")) + " has no field " +
                            py::cast<std::string>(name));
     }
     self.attr(name) = value;
   }
   return self.cast<C>();
+}
+
+// Equal is what has the same fields; copies and pickles hold all of them by name.
+template <class C>
+void bind_as_value(auto& cls) {
+  cls.def("__eq__", [](const C& one, py::handle other) {
+    // A paint is more than its first species.
+    const bool comparable =
+        py::isinstance<C>(other) && py::isinstance<Paint>(other) == std::is_same_v<C, Paint>;
+    if (!comparable) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+    return py::object(py::bool_(one == other.cast<const C&>()));
+  });
+  const auto fields_of = [](const py::object& self) {
+    py::dict fields;
+    for (const py::handle name : py::module_::import("builtins").attr("dir")(py::type::of<C>())) {
+      if (is_field<C>(name)) fields[name] = self.attr(name);
+    }
+    return fields;
+  };
+  cls.def(py::pickle(fields_of, [](const py::dict& fields) {
+    return from_keywords<C>(py::reinterpret_borrow<py::kwargs>(fields));
+  }));
 }
 
 }  // namespace
@@ -168,6 +195,7 @@ void bind_paint(py::module_& module) {
 The fields are checked when a Paint is. A choice takes its word, too.)doc");
   species.def(py::init(&from_keywords<FlakeSpecies>));
   metallic_paint::each_flake_parameter(properties_of<FlakeSpecies>(species));
+  bind_as_value<FlakeSpecies>(species);
 
   py::class_<Paint, FlakeSpecies> paint(
       module, "Paint",
@@ -191,4 +219,5 @@ checked on construction, all fields again on use.)doc");
       [](Paint& p, py::handle value) {
         p.more = from_python<decltype(p.more)>("more", value, "two FlakeSpecies");
       });
+  bind_as_value<Paint>(paint);
 }

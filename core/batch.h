@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <stop_token>
-#include <type_traits>
 #include <vector>
 
 #include "light_slots.h"
@@ -118,85 +117,36 @@ void store_colour(double* array, std::size_t at, const Rgb<T>& value) {
   array[3 * at + 2] = static_cast<double>(value.z);
 }
 
-// Stores what is drawn for a light that leads; `at` is its place in the results.
-template <class T>
-void store_draw(const PixelResults& results, std::size_t at, T count, const Rgb<T>& radiance) {
-  results.count[at] = static_cast<double>(count);
-  store_colour(results.radiance, at, radiance);
-}
-
-// Stores the results of a light in pixel i that does not lead. The leader comes first: its results
-// are there to copy.
-inline void store_follower(const PixelResults& results, std::size_t i, std::size_t lights,
-                           std::size_t light, int leader) {
-  const std::size_t at = i * lights + light;
-  const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
-  results.leader[at] = leader;
-  results.slots[at] = 0;
-  results.count[at] = results.mean_count[at] = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
-    results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
-    results.variance[3 * at + c] = leader < 0 ? 0 : results.variance[3 * from + c];
-  }
-}
-
-// Those of pixel i, whose lights have these leaders; sparkles_of(light) are those of one that
-// leads.
+// Stores those of pixel i, whose lights have these leaders; sparkles_of(light) are those of one
+// that leads. The leader comes first: a follower's results are there to copy.
 template <class Sparkles>
 void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
                  std::size_t species, const std::array<int, kLightSlots>& leaders,
                  const Sparkles& sparkles_of) {
   for (std::size_t light = 0; light < lights; ++light) {
-    if (leaders[light] != static_cast<int>(light)) {
-      store_follower(results, i, lights, light, leaders[light]);
+    const int leader = leaders[light];
+    const std::size_t at = i * lights + light;
+    results.leader[at] = leader;
+    if (leader != static_cast<int>(light)) {
+      const std::size_t from = i * lights + static_cast<std::size_t>(std::max(leader, 0));
+      results.slots[at] = 0;
+      results.count[at] = results.mean_count[at] = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        results.radiance[3 * at + c] = leader < 0 ? 0 : results.radiance[3 * from + c];
+        results.mean_radiance[3 * at + c] = leader < 0 ? 0 : results.mean_radiance[3 * from + c];
+        results.variance[3 * at + c] = leader < 0 ? 0 : results.variance[3 * from + c];
+      }
       continue;
     }
     const auto& all = sparkles_of(light);
-    const std::size_t at = i * lights + light;
-    results.leader[at] = leaders[light];
     results.slots[at] = all.expected[species].slots;
     results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
-    store_draw(results, at, all.count[species], all.radiance);
+    results.count[at] = static_cast<double>(all.count[species]);
+    store_colour(results.radiance, at, all.radiance);
     store_colour(results.mean_radiance, at, all.mean_radiance);
     store_colour(results.variance, at, all.variance);
   }
 }
-
-using StreamKeys = std::array<std::array<HashWords, kSpecies>, kLightSlots>;
-
-// A light in one of the pixels in float whose sparkles belong to the pixel: many are computed side
-// by side (expect_lanes.cpp), bit for bit as one by one, but for the draws.
-struct ExpectedLight {
-  PixelSparkles<float> sparkles;    // radiance and count are to be drawn
-  std::array<bool, kSpecies> dark;  // no sparkle of this species is drawn; only `ceiling` is told
-};
-// What is left to be done one by one. What is told of a light a second time takes the place of the
-// first.
-class LightsToDraw {
- public:
-  // The light leads, and some species is not dark; all but the draw is stored.
-  virtual void draw(std::size_t i, std::size_t light, ExpectedLight& expected) = 0;
-  // The light does not lead. Lights of a pixel come in their order.
-  virtual void follow(std::size_t i, std::size_t light, int leader) = 0;
-
- protected:
-  ~LightsToDraw() = default;
-};
-// Does the pixels from `begin` up to `end`, in any order; `to` does the rest of each at once.
-using ExpectInLanes = void (*)(const Paint& paint, const std::vector<Light<double>>& lights,
-                               std::size_t species, const StreamKeys& keys, const PixelBatch& batch,
-                               const PixelResults& results, std::size_t begin, std::size_t end,
-                               LightsToDraw& to);
-// Those that this processor can run, the one with the most lanes first; none where the standard
-// library knows no lanes.
-const std::vector<ExpectInLanes>& expect_in_lanes();
-
-// As evaluate_pixels.
-void evaluate_in_lanes(ExpectInLanes expect, const Paint& paint, const Layer<float>& layer,
-                       const std::vector<Light<double>>& lights, std::size_t species,
-                       const PixelBatch& batch, const PixelResults& results,
-                       const std::stop_token& stop);
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference. The
 // layer is the paint's. The counts are those of `species`. Once `stop` is requested, the rest of
@@ -207,12 +157,6 @@ void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
                      const PixelBatch& batch, const PixelResults& results,
                      const std::stop_token& stop = {}) {
   const Layer<T> layer = layer_under(layer_of_paint, batch);
-  if constexpr (std::is_same_v<T, float>) {
-    if (layer.anchor == Anchor::pixel && !(paint.orange_peel > 0) && !expect_in_lanes().empty()) {
-      return evaluate_in_lanes(expect_in_lanes().front(), paint, layer, lights, species, batch,
-                               results, stop);
-    }
-  }
   const std::vector<Light<T>> slots = slots_of<T>(lights);
   const T turned = turned_by(layer);
   const auto evaluate_pixel = [&](std::size_t i) {

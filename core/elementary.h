@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <numbers>
 
@@ -87,7 +88,7 @@ inline float significand(float x) {
   return std::bit_cast<float>((std::bit_cast<int>(x) & 0x7fffff) | 0x3f800000);
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T exponential(T x) {
   if (x < -87.0f) return 0.0f;
   x = min(x, 87.0f);
@@ -101,7 +102,7 @@ T exponential(T x) {
   return e_r * power_of_two(k);
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T logarithm(T x) {
   // x = m 2^e with m in [1/sqrt 2, sqrt 2].
   T e = binary_exponent(x);
@@ -116,7 +117,7 @@ T logarithm(T x) {
   return e * 0.693147181f + ln_m;
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T sine(T x) {
   const T z = x * x;
   return x * (1.0f + z * (-0.166666672f +
@@ -124,7 +125,7 @@ T sine(T x) {
                                                      z * (2.75239722e-6f + z * -2.38683491e-8f)))));
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T cosine(T x) {
   const T z = x * x;
   return 1.0f + z * (-0.5f +
@@ -133,7 +134,7 @@ T cosine(T x) {
                                z * (2.48010401e-5f + z * (-2.75246975e-7f + z * 1.99078687e-9f)))));
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T arccosine(T x) {
   const T a =
       1.57079625f +
@@ -145,7 +146,7 @@ T arccosine(T x) {
   return sqrt(1.0f - x) * a;
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T squared_angle(T y) {
   // arcsin^2(sqrt y)/y is analytic in y: no square root, no loss near 0.
   const T q =
@@ -160,7 +161,7 @@ T squared_angle(T y) {
   return 4.0f * y * q;
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T mean_transmittance(T x) {
   if (x < 1.0f) {
     return 1.0f + x * (-0.5f + x * (0.166666493f +
@@ -172,7 +173,7 @@ T mean_transmittance(T x) {
   return (1.0f - exponential(-x)) / x;
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T mills_ratio(T x) {
   const T t = 3.0f / (3.0f + x);
   return 9.77922355e-6f +
@@ -297,7 +298,7 @@ T normal_quantile(T u) {
   return q < 0 ? -x : x;
 }
 
-template <Single T>
+template <std::same_as<float> T>
 T normal_quantile(T u) {
   const T tail = u < 0.5f ? u : max(1.0f - u, T(2.98023224e-8f));
   const T s = sqrt(-logarithm(tail)) - 0.832554638f;

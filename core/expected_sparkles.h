@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "flake_area.h"
 #include "layer.h"
@@ -54,7 +55,7 @@ inline constexpr int kPoissonSlots = 16;
 
 // No cone in the binder counts as less, in sr: 1/cone^2 stays a number. The mean is the same.
 template <class T>
-inline constexpr double kLeastCone = kSingle<T> ? 1e-18 : 1e-100;
+inline constexpr double kLeastCone = std::is_same_v<T, float> ? 1e-18 : 1e-100;
 
 // The light in the binder as flakes see it that spread light themselves, sr: Delta_eff^2 = Delta^2
 // + epsilon^2. 0 for a point light on perfect mirrors: no flake ever meets it.
@@ -156,7 +157,7 @@ template <class T>
 ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
                                     const Passage<T>& way) {
   const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
-  if (!(inside > 0)) return {};
+  if (!(inside > 0)) return {.area = flakes.area};
   Wide<T> probability = flake_probability(flakes.orientation, layer.radiometry,
                                           way.mirror.sin2_half_beta, quarter_cone(inside, way));
   if (way.outline.given) {

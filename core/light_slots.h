@@ -22,10 +22,11 @@ struct SlotView {
   std::array<int, kLightSlots> leader;
 };
 
-// turned: by the paint's flakes (expected_sparkles.h). slots: any that were found before.
+// turned: by the paint's flakes (expected_sparkles.h).
 template <class T>
-void view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point, T turned,
-                SlotView<T>& slots) {
+SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point,
+                       T turned) {
+  SlotView<T> slots;
   const int count = min(static_cast<int>(lights.size()), kLightSlots);
   slots.leader.fill(-1);
   for (int i = 0; i < count; ++i) {
@@ -38,13 +39,6 @@ void view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& poin
   group_lights(slots.seen.data(), slots.leader.data(), count);
   admit_melting(slots.seen.data(), slots.leader.data(), count, turned);
   for (int& leader : slots.leader) leader = std::max(leader, -1);
-}
-
-template <class T>
-SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T>& point,
-                       T turned) {
-  SlotView<T> slots;
-  view_slots(lights, point, turned, slots);
   return slots;
 }
 

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <numbers>
 #include <type_traits>
 #include <vector>
@@ -38,7 +39,7 @@ struct OrientationDensity {
 
 // Beyond so many tilts a Gaussian is below rounding.
 template <class T>
-inline constexpr double kGaussianReach = kSingle<T> ? 5.5 : 12;
+inline constexpr double kGaussianReach = std::is_same_v<T, float> ? 5.5 : 12;
 
 // sum over n of (-y)^n/(2n+1)!!: Dawson's function, sqrt(2) F(sqrt(y/2))/sqrt(y). Error 4e-12 for
 // y <= 0.32.
@@ -66,7 +67,7 @@ OrientationDensity<T> make_orientation(Orientation kind, T tilt) {
     const T half_pi = std::numbers::pi_v<T> / 2;
     density.below = 1 - exponential(T(-0.5) * half_pi * half_pi / square);
     density.back_cosine = sine(min(T(kGaussianReach<T>) * tilt, half_pi));
-    if (kSingle<T> && square <= T(0.08)) {
+    if (std::is_same_v<T, float> && square <= T(0.08)) {
       // The upper limit pi/2 taken as infinity (the missing tail is under 2e-7):
       // integral of exp(-b^2/2s^2) sin(b) = s^2 dawson_series(s^2), with sin(2b)/2 for sin(b): y ->
       // 4y.
@@ -283,7 +284,7 @@ T most_tilt_weight(const OrientationDensity<T>& density) {
 // deviate has beyond 90 degrees, where there are none (tests/fits/back_area.py). Absolute error
 // 5e-7 (BackAreaHoldsItsStatedError, with rounding).
 inline constexpr float kNarrowBack = 0.4f;
-template <Single T>
+template <std::same_as<float> T>
 T narrow_back_area(const OrientationDensity<T>& density, T b0) {
   const T s = density.tilt;
   const T c0 = 0.999948561f +
@@ -309,7 +310,7 @@ template <class T>
 T gaussian_back_area(const OrientationDensity<T>& density, T cos_theta) {
   if (cos_theta >= density.back_cosine) return 0;
   const T b0 = std::numbers::pi_v<T> / 2 - arccosine(cos_theta);
-  if constexpr (kSingle<T>) {
+  if constexpr (std::is_same_v<T, float>) {
     if (density.tilt <= kNarrowBack) return narrow_back_area(density, b0);
   }
   const T limit = min(std::numbers::pi_v<T> / 2, b0 + T(kGaussianReach<T>) * density.tilt);

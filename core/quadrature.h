@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <numbers>
 #include <type_traits>
 
@@ -13,7 +14,7 @@
 namespace metallic_paint {
 
 template <class T>
-inline constexpr int kGaussPoints = kSingle<T> ? 12 : 64;
+inline constexpr int kGaussPoints = std::is_same_v<T, float> ? 12 : 64;
 
 template <class T>
 struct GaussRule {
@@ -49,7 +50,7 @@ const GaussRule<T>& gauss_rule() {
   static const GaussRule<T> rule = make_gauss_rule<T>();
   return rule;
 }
-template <Single T>
+template <std::same_as<float> T>
 const GaussRule<T>& gauss_rule() {
   static const GaussRule<T> rule = {
       {0.00921968288f, 0.0479413718f, 0.115048663f, 0.206341023f, 0.316084251f, 0.437383296f,

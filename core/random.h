@@ -13,8 +13,7 @@ struct HashWords {
 };
 
 // pcg4d (Jarzynski and Olano, JCGT 9(3), 2020): four words into four, a bijection of 128 bits.
-template <class Words = HashWords>
-Words pcg4d(Words v) {
+inline HashWords pcg4d(HashWords v) {
   v.x = v.x * 1664525u + 1013904223u;
   v.y = v.y * 1664525u + 1013904223u;
   v.z = v.z * 1664525u + 1013904223u;
@@ -49,8 +48,8 @@ inline HashWords draw_words(HashWords key, int x, int y, int draw) {
 // A uniform deviate in (0, 1] from two words: multiples of 2^-48 plus half a step. A float keeps 24
 // significant bits of it, so small values are as fine as 2^-49: probabilities of 1e-9 and below are
 // met.
-template <class T, class Word>
-T uniform_48(Word high, Word low) {
+template <class T>
+T uniform_48(std::uint32_t high, std::uint32_t low) {
   const T step = T(1) / 16777216;
   return (static_cast<T>(high >> 8) + (static_cast<T>(low >> 8) + T(0.5)) * step) * step;
 }

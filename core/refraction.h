@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "vector.h"
 
@@ -19,7 +20,7 @@ namespace metallic_paint {
 template <class T>
 T eta_cos_refracted(T cos_theta, T eta) {
   T square;
-  if constexpr (kSingle<T>) {
+  if constexpr (std::is_same_v<T, float>) {
     square = (eta - 1) * (eta + 1) + cos_theta * cos_theta;
   } else {
     const T a = eta * eta, b = cos_theta * cos_theta;

@@ -53,22 +53,6 @@ struct PixelSparkles {
   std::array<ExpectedSparkles<T>, kSpecies> expected{};
   std::array<T, kSpecies> count{};
   Rgb<T> radiance{}, mean_radiance{}, variance{};  // of all species
-
-  void expect(std::size_t species, const ExpectedSparkles<T>& more, Rgb<T> its_mean,
-              Rgb<T> its_variance) {
-    expected[species] = more;
-    mean_radiance = mean_radiance + its_mean;
-    variance = variance + its_variance;
-  }
-  void draw(std::size_t species, const Sparkles<T>& drawn) {
-    count[species] = drawn.count;
-    radiance = radiance + drawn.radiance;
-  }
-  void bound_by_mirror() {
-    T ceiling = 0;
-    for (const ExpectedSparkles<T>& each : expected) ceiling = max(ceiling, each.ceiling);
-    radiance = map(radiance, [&](T t) { return min(t, ceiling); });
-  }
 };
 
 template <class T>
@@ -76,6 +60,7 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
                          const std::array<FirstFlake<T>, kSpecies>& firsts, const Passage<T>& way,
                          int light, int frame, int seed) {
   PixelSparkles<T> all;
+  T ceiling = 0;
   for (int i = 0; i < layer.species; ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     const Flakes<T>& flakes = layer.flakes[at];
@@ -111,10 +96,14 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
     } else {
       drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
     }
-    all.expect(at, expected, mean, variance);
-    all.draw(at, drawn);
+    all.expected[at] = expected;
+    all.count[at] = drawn.count;
+    all.radiance = all.radiance + drawn.radiance;
+    all.mean_radiance = all.mean_radiance + mean;
+    all.variance = all.variance + variance;
+    ceiling = max(ceiling, expected.ceiling);
   }
-  all.bound_by_mirror();
+  all.radiance = map(all.radiance, [&](T t) { return min(t, ceiling); });
   return all;
 }
 

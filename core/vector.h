@@ -17,12 +17,6 @@ using std::max;
 using std::min;
 using std::sqrt;
 
-// Number types that compute as the shader does: float, and several floats side by side (lanes.h).
-template <class T>
-inline constexpr bool kSingle = std::is_same_v<T, float>;
-template <class T>
-concept Single = kSingle<T>;
-
 // A direction or a point (x, y, z), or a colour (R, G, B) in linear light.
 template <class T>
 struct Vec3 {

@@ -334,6 +334,7 @@ def stubs(table: Table) -> Iterator[str]:
         "",
         "from collections.abc import Sequence",
         "from enum import IntEnum",
+        "from typing import ClassVar",
         "",
     )
     for row in table.choices:
@@ -345,7 +346,9 @@ def stubs(table: Table) -> Iterator[str]:
     yield "class FlakeSpecies:"
     for row in table.flakes:
         yield from _stub_field(row)
-    yield from ("", "    def __init__(self, **fields: object) -> None: ...", "",
+    yield from ("", "    def __init__(self, **fields: object) -> None: ...",
+                "    def __eq__(self, other: object, /) -> bool: ...",
+                "    __hash__: ClassVar[None]", "",
                 "class Paint(FlakeSpecies):",
                 "    more: Sequence[FlakeSpecies]  # the second and the third species")  # fmt: skip
     for row in table.paint:

@@ -4,6 +4,7 @@
 
 from collections.abc import Sequence
 from enum import IntEnum
+from typing import ClassVar
 
 class Orientation(IntEnum):
     gaussian = 0
@@ -86,6 +87,8 @@ class FlakeSpecies:
     coating_nm: float
 
     def __init__(self, **fields: object) -> None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]
 
 class Paint(FlakeSpecies):
     more: Sequence[FlakeSpecies]  # the second and the third species

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core's speed, pixel after pixel in one thread, and the limits of the machine (Google
-// Benchmark). ./paint bench measures the batches over numpy arrays beside it.
+// The core's speed, pixel after pixel in one thread (Google Benchmark). ./paint bench measures the
+// batches over numpy arrays beside it.
 #include <benchmark/benchmark.h>
 
 #include <vector>
 
 #include "choices.h"
-#include "machine.h"
 #include "scene.h"
 
 namespace {
@@ -40,26 +39,6 @@ void make_paint(benchmark::State& state) {
   }
 }
 
-void peak(benchmark::State& state) {
-  constexpr int rounds = 10000;
-  for (auto _ : state) benchmark::DoNotOptimize(machine::multiply_and_add(rounds, 0.999f, 0.001f));
-  state.counters["operations"] =
-      benchmark::Counter(machine::operations(rounds) * static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate);
-}
-
-void copy(benchmark::State& state) {
-  const std::vector<char> from(256 << 20, 1);  // more than any cache holds
-  std::vector<char> to(from.size());
-  for (auto _ : state) {
-    machine::copy(to, from);
-    benchmark::DoNotOptimize(to.data());
-  }
-  state.counters["bytes"] = benchmark::Counter(  // read and written
-      2.0 * static_cast<double>(from.size()) * static_cast<double>(state.iterations()),
-      benchmark::Counter::kIsRate);
-}
-
 void register_all() {
   const std::vector<Scene> all = scenes();
   for (const auto& [name, scene] : {std::pair{"small", all[0]}, std::pair{"large", all[2]}}) {
@@ -72,8 +51,6 @@ void register_all() {
   }
   benchmark::RegisterBenchmark("making a paint, double", make_paint<double>);
   benchmark::RegisterBenchmark("making a paint, float", make_paint<float>);
-  benchmark::RegisterBenchmark("peak", peak);
-  benchmark::RegisterBenchmark("copy", copy)->Unit(benchmark::kMillisecond);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <new>
 #include <stop_token>
@@ -176,65 +175,6 @@ TEST(Batch, EachPixelIsEvaluatedAsIfAlone) {
 TEST(Batch, GivenOpticalDepthsReachTheirPixelAndLight) {
   expect_each_pixel_alone<double>(true);
   expect_each_pixel_alone<float>(true);
-}
-
-// Any paint, any pixels, any lights: some below the horizon, some wide, some beside each other.
-TEST(Batch, ManyPixelsAtOnceAreBitForBitWhatEachIsAlone) {
-  Random random = fresh(71);
-  std::size_t lit = 0, drawn = 0;
-  for (int scene = 0; scene < 600; ++scene) {
-    Paint paint = scene % 2 == 0 ? any_paint(random) : random_paint(random);
-    paint.anchor = Anchor::pixel;
-    std::vector<Light<double>> lights;
-    for (int light = random.below(4); light >= 0; --light) {
-      const auto kind = static_cast<LightKind>(random.below(3));
-      const Vec3<double> towards = any_direction(random);
-      lights.push_back({kind, towards * random.uniform(0.5, 3), random.uniform(0, 0.3)});
-      if (random.below(4) == 0) lights.push_back(lights.back());
-    }
-    Arrays arrays(random.below(100), lights.size());
-    const std::size_t n = arrays.footprint.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      arrays.footprint[i] = random.below(9) == 0 ? 0 : random.log_uniform(1e-14, 1e-2);
-      if (random.below(9) > 0) continue;
-      const Vec3<double> any = any_direction(random) * static_cast<double>(random.below(2));
-      std::vector<double>& turned = random.below(2) == 0 ? arrays.normal : arrays.view;
-      turned[3 * i] = any.x, turned[3 * i + 1] = any.y, turned[3 * i + 2] = any.z;
-    }
-    const std::size_t species = static_cast<std::size_t>(random.below(kSpecies));
-    const PixelBatch batch = arrays.batch(random.below(2) == 0);
-    const Layer<float> layer = make_layer<float>(paint);
-    const std::vector<Light<float>> slots = slots_of<float>(lights);
-    Arrays alone = arrays;
-    const PixelResults expected = alone.results();
-    for (std::size_t i = 0; i < n; ++i) {
-      const SurfacePoint<float> point = point_at<float>(batch, i);
-      const SlotView<float> view = view_slots(slots, point, turned_by(layer));
-      store_pixel(expected, i, slots.size(), species, view.leader, [&](std::size_t light) {
-        const Rgb<float> slant = vector_at<float>(arrays.slant.data(), i * slots.size() + light);
-        const auto way =
-            pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
-        return sparkle(layer, point, {}, way, static_cast<int>(light), paint.frame, paint.seed);
-      });
-    }
-    for (const ExpectInLanes expect : expect_in_lanes()) {
-      evaluate_in_lanes(expect, paint, layer, lights, species, batch, arrays.results(), {});
-      const auto same = [](const auto& a, const auto& b) {
-        return a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
-      };
-      ASSERT_EQ(arrays.leader, alone.leader) << scene;
-      ASSERT_EQ(arrays.slots, alone.slots) << scene;
-      ASSERT_TRUE(same(arrays.mean_count, alone.mean_count)) << scene;
-      ASSERT_TRUE(same(arrays.mean, alone.mean)) << scene;
-      ASSERT_TRUE(same(arrays.variance, alone.variance)) << scene;
-      ASSERT_TRUE(same(arrays.count, alone.count)) << scene;
-      ASSERT_TRUE(same(arrays.radiance, alone.radiance)) << scene;
-    }
-    for (double count : alone.mean_count) lit += count > 0 ? 1 : 0;
-    for (double count : alone.count) drawn += count > 0 ? 1 : 0;
-  }
-  EXPECT_GT(lit, 1000u);
-  EXPECT_GT(drawn, 100u);
 }
 
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -58,6 +59,15 @@ class Same {
     (*this)(name, shader[0], core.x);
     (*this)(name, shader[1], core.y);
     (*this)(name, shader[2], core.z);
+  }
+  void operator()(const char* name, const std::vector<std::uint32_t>& shader,
+                  const std::vector<std::uint32_t>& core) {
+    (*this)((std::string("number of words of ") + name).c_str(), static_cast<int>(shader.size()),
+            static_cast<int>(core.size()));
+    for (std::size_t i = 0; i < std::min(shader.size(), core.size()); ++i) {
+      (*this)((std::string(name) + ", word " + std::to_string(i)).c_str(),
+              std::bit_cast<float>(shader[i]), std::bit_cast<float>(core[i]));
+    }
   }
   const std::string& different() const { return different_; }
   long seen() const { return seen_; }
@@ -125,63 +135,38 @@ ShaderPaint to_osl(const Paint& paint, float* library) {
   return shader;
 }
 
+// Whole structs, word by word: both texts have the same fields in the same order, each of 32 bits
+// or of such, so that none can be left out here.
+template <class Struct>
+std::vector<std::uint32_t> words_of(const Struct& all) {
+  const auto words = std::bit_cast<std::array<std::uint32_t, sizeof(Struct) / 4>>(all);
+  return {words.begin(), words.end()};
+}
+
 void compare(Same& same, const osl::Layer& shader, const Layer<float>& core) {
   same("species", shader.species, core.species);
-  same("coverage", shader.coverage, core.coverage);
-  same("eta", shader.eta, core.eta);
-  same("binder_depth", shader.binder_depth, core.binder_depth);
-  same("rayleigh_depth", shader.rayleigh_depth, core.rayleigh_depth);
-  same("shared_blocking", shader.shared_blocking, core.shared_blocking);
-  same("blocking_again", shader.blocking_again, core.blocking_again);
-  const auto each = [](const std::array<float, kSpecies>& of) {
-    return Vec3<float>{of[0], of[1], of[2]};
+  // Before these the species' flakes, which are compared on their own.
+  using Core = Layer<float>;
+  static_assert(offsetof(Core, coverage) == sizeof(Core::flakes) + sizeof(Core::species));
+  const auto from_coverage = [](const auto& layer, std::size_t offset) {
+    std::vector<std::uint32_t> words = words_of(layer);
+    words.erase(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(offset / 4));
+    return words;
   };
-  same("hiding", shader.hiding, each(core.hiding));
-  same("diameters", shader.diameters, each(core.diameters));
-  same("thickness_in_flakes", shader.thickness_in_flakes, each(core.thickness_in_flakes));
-  same("depth_model", shader.depth_model, static_cast<int>(core.depth_model));
-  same("radiometry", shader.radiometry, static_cast<int>(core.radiometry));
-  same("sparkle_contrast", shader.sparkle_contrast, core.sparkle_contrast);
-  same("anchor", shader.anchor, static_cast<int>(core.anchor));
-  same("instances", shader.instances, static_cast<int>(core.instances));
-  same("cell_share", shader.cell_share, core.cell_share);
+  same("Layer from coverage on", from_coverage(shader, offsetof(osl::Layer, coverage)),
+       from_coverage(core, offsetof(Core, coverage)));
 }
 
 void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
-  same("areal_density", shader.areal_density, core.areal_density);
-  same("flake_area", shader.flake_area, core.flake_area);
-  same("area_spread", shader.area_spread, core.area_spread);
-  same("species' coverage", shader.coverage, core.coverage);
-  same("solid_angle", shader.solid_angle, core.solid_angle);
-  same("normal_reflectance", shader.coating.normal_reflectance, core.coating.normal_reflectance);
-  same("grazing_reflectance", shader.coating.grazing_reflectance, core.coating.grazing_reflectance);
-  same("transmittance", shader.coating.transmittance, core.coating.transmittance);
-  same("coating", shader.coating.kind, static_cast<int>(core.coating.kind));
-  same("coating_nm", shader.coating.thickness_nm, core.coating.thickness_nm);
-  same("tilt", shader.orientation.tilt, core.orientation.tilt);
-  same("area.mean", shader.area.mean, core.area.mean);
-  same("area.square", shader.area.square, core.area.square);
-  same("area.cube", shader.area.cube, core.area.cube);
-  same("orientation.norm", shader.orientation.norm, core.orientation.norm);
-  same("orientation.mean_cos", shader.orientation.mean_cos, core.orientation.mean_cos);
-  same("orientation.below", shader.orientation.below, core.orientation.below);
-  same("orientation.back_cosine", shader.orientation.back_cosine, core.orientation.back_cosine);
+  std::vector<std::uint32_t> words = words_of(shader);
+  // Only the shader notes it: the core asks where it is needed.
+  words.erase(words.begin() +
+              (offsetof(osl::Flakes, orientation) + offsetof(osl::OrientationDensity, narrow)) / 4);
+  same("Flakes", words, words_of(core));
 }
 
 void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSparkles<float>& core) {
-  same("mean_count", shader.mean_count, core.mean_count);
-  same("slots", shader.slots, core.slots);
-  same("fill", shader.fill, core.fill);
-  same("mirror", shader.mirror, core.mirror);
-  same("slant", shader.slant, core.slant);
-  same("hidden", shader.hidden, core.hidden);
-  same("ceiling", shader.ceiling, core.ceiling);
-  same("contrast", shader.contrast, core.contrast);
-  same("share", shader.share, core.share);
-  if (!(core.mean_count > 0)) return;
-  same("capped area.mean", shader.area.mean, core.area.mean);
-  same("capped area.square", shader.area.square, core.area.square);
-  same("capped area.cube", shader.area.cube, core.area.cube);
+  same("ExpectedSparkles", words_of(shader), words_of(core));
   same("fluctuation_left", osl::fluctuation_left(shader), fluctuation_left(core));
 }
 

@@ -207,14 +207,7 @@ def test_every_field_takes_its_own_value() -> None:
     assert sorted(fields_of(core.FlakeSpecies)) == sorted(own)
     paints = [row.name for row in TABLE.paint]
     assert sorted(fields_of(core.Paint)) == sorted([*own, *paints, "more", "frame"])
-    again = core.Paint(**{name: getattr(paint, name) for name in fields_of(core.Paint)})
-    for name in fields_of(core.Paint):
-        if name == "more":
-            for one, other in zip(again.more, paint.more, strict=True):
-                for inner in fields_of(core.FlakeSpecies):
-                    assert getattr(one, inner) == getattr(other, inner)
-        else:
-            assert getattr(again, name) == getattr(paint, name)
+    assert core.Paint(**{name: getattr(paint, name) for name in fields_of(core.Paint)}) == paint
 
 
 @pytest.mark.parametrize("row", [row for row in TABLE.all if row.choices], ids=lambda row: row.name)

@@ -63,7 +63,6 @@ HEADERS_ONLY_SHADER = {
 }
 HEADERS_ONLY_CORE = {
     "batch.h": "many pixels",
-    "lanes.h": "many pixels",
     "paint.h": "checks: the shader makes its inputs sound instead",
     "parallel.h": "many pixels",
     "validation.h": "errors",

@@ -69,8 +69,7 @@ CAPTIONS = {
     "core": "The sparkles of one sun in a pixel, by the C++ core: in one thread by Google "
     "Benchmark (`tests/benchmark/speed.cpp`), in batches through numpy arrays, where mean and "
     "variance are computed besides. Double is the reference and integrates what float has in "
-    "closed form. Beside it what this machine can do at most; how many operations a pixel–light "
-    "has is not counted, so what stands below is the most that it can have.",
+    "closed form.",
 }
 
 
@@ -103,10 +102,8 @@ TRIED = (
      "OSL's own part of the wait falls to less than half and LLVM's does not grow, though 8,213 "
      "operations remain where 3,926 did; but these are settings of the user's whole Blender"),
     ("the core with `-O3`, or tuned for this processor (`-mtune`)",
-     "`-O3` 0 to 2 % faster where sparkles are few and 6 % where they are many, less than one flat "
-     "function of the draw brings; `-mtune` 1 to 4 % slower"),
-    ("floats of a batch's vectors by way of memory",
-     "a tenth slower than number by number; shuffles are 2 % faster"),
+     "`-O3` 0 to 2 % faster where sparkles are few and 6 % where they are many; `-mtune` 1 to 4 % "
+     "slower"),
     ("lights in View Layer attributes", "each frame compiles every paint anew"),
     ("drivers on each painted object instead of on one datablock",
      "95 to 105 ms a frame with 1,000 objects, instead of 60 to 70"),
