@@ -3,8 +3,9 @@
 
 Arrays may be anything numpy can turn into one of numbers; results are float64 unless stated. Bad
 input raises ValueError with a sentence that names the field, the value and the range, an argument
-of a wrong class TypeError. Ctrl-C ends every call at once. The model is `core/`, its symbols and
-formulas are in docs/model; each docstring names its source there.
+of a wrong class TypeError. Ctrl-C ends every call at once, and other threads run meanwhile. Paints,
+species and lights are equal by their fields, and may be copied and pickled. The model is `core/`,
+its symbols and formulas are in docs/model; each docstring names its source there.
 """
 
 from ._native import (
