@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 import re
 import reprlib
 from collections.abc import Callable
@@ -435,12 +433,3 @@ def test_every_public_name_is_documented() -> None:
     for name in core.__all__:
         if name not in ("__version__", "LightKind"):
             assert getattr(core, name).__doc__
-
-
-def test_a_paint_can_be_compared_copied_and_pickled() -> None:
-    paint = core.Paint(flakes_per_mm2=700, tilt=0.2, flake_color=(0.1, 0.2, 0.3))
-    for other in (copy.copy(paint), copy.deepcopy(paint), pickle.loads(pickle.dumps(paint))):
-        assert other == paint
-        assert other is not paint
-    assert core.Paint(tilt=0.2) != core.Paint(tilt=0.3)
-    assert paint != "paint"
