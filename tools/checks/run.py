@@ -65,13 +65,13 @@ def chosen_sessions(nox: list[str | Path], text: str, everything: bool) -> list[
     ]
 
 
-def kept_of(session: str) -> Kept:
+def kept_of(session: str, *, again: bool = False) -> Kept:
     """What has passed of the session, with the seconds that it took, by these draws."""
-    return keep(f"tests, {session}", seed=os.environ[SEED])
+    return keep(f"tests, {session}", again=again, seed=os.environ[SEED])
 
 
 def seed_of_all(again: bool) -> str:
-    """New once all has been run, or the sources have changed; a run cut short keeps its draws."""
+    """New with --again and where the sources have changed: a run cut short keeps its draws."""
     kept = keep("seed", again=again)
     if SEED not in kept:
         kept.add(SEED, str(secrets.randbits(32)))
@@ -153,7 +153,7 @@ def main() -> int:
     before = {}
     if asked.all:
         os.environ.setdefault(SEED, seed_of_all(asked.again))
-        before = {session: dict(kept_of(session)) for session in sessions}
+        before = {session: dict(kept_of(session, again=asked.again)) for session in sessions}
     passed_on = [*["--all"] * asked.all, "-k", asked.k]
     code = run_limited(
         [*nox, "--report", REPORT, "--sessions", *sessions, "--", *passed_on], seconds=SECONDS
