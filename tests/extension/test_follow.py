@@ -8,9 +8,10 @@ calls.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import SimpleNamespace
+from types import FrameType, SimpleNamespace
 
 import addon_utils
 import bpy
@@ -243,6 +244,86 @@ def test_a_light_that_moves_grows_or_brightens_leaves_the_paints_alone(
     assert painted.active_material.name not in reached
 
 
+def test_work_after_a_move_does_not_grow_with_the_scene(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    """Counted in steps of Python's own, whatever the handlers do."""
+    lamp, empty = add("POINT", "Lamp", 1), bpy.data.objects.new("Empty", None)
+    bpy.context.scene.collection.objects.link(empty)
+    update()
+    few = [steps_of_a_move(each) for each in (lamp, empty, painted)]
+    for i in range(20):
+        more = painted.copy()
+        more.data, more.name = painted.data.copy(), f"Painted {i}"
+        more.data.materials[0] = addon("paint.material").create(addon("paint").Paint(), f"{i}")
+        bpy.context.scene.collection.objects.link(more)
+    update()
+    many = [steps_of_a_move(each) for each in (lamp, empty, painted)]
+    assert max(few) > 0
+    assert many == few
+
+
+def steps_of_a_move(thing: bpy.types.Object) -> int:
+    update()  # nothing is left to do
+    steps = 0
+
+    def trace(frame: FrameType, event: str, _: object) -> Callable:
+        nonlocal steps
+        frame.f_trace_opcodes = True
+        steps += event == "opcode"
+        return trace
+
+    thing.location.y += 1
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        update()
+    finally:
+        sys.settrace(before)
+    return steps
+
+
+def test_a_changed_paint_is_the_only_one_that_is_read(
+    addon: Addon, painted: bpy.types.Object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module, read = addon("paint.material"), []
+    module.create(addon("paint").Paint(), "Other")
+    update()
+    paint_of = module.paint_of
+    monkeypatch.setattr(module, "paint_of", lambda of: read.append(of.name) or paint_of(of))
+    module.paint_node(painted.active_material).inputs["Tilt"].default_value = 0.2
+    update()
+    assert read == [painted.active_material.name]
+
+
+def test_a_light_that_is_shown_and_moved_in_one_step_gets_a_slot(addon: Addon) -> None:
+    """No update tells that it is no longer hidden, as it moved besides."""
+    lamp = add("POINT", "Lamp", 1)
+    lamp.hide_render = True
+    update()
+    assert slots(addon) == []
+    lamp.location.x, lamp.hide_render = 2, False
+    update()
+    assert slots(addon) == ["Lamp"]
+
+
+def test_a_step_of_a_live_slider_leaves_the_material_where_cycles_keeps_it(
+    addon: Addon, painted: bpy.types.Object
+) -> None:
+    """A new look in the Solid view would have it compiled anew, in seconds."""
+    live, shown = addon("paint.live"), painted.active_material
+    node = addon("paint.material").paint_node(shown)
+    live.begin(node, addon("paint.material").paint_of(node))
+    update()
+    for kept in (True, False):
+        bpy.context.scene.render.use_persistent_data = kept
+        update()
+        before = tuple(shown.diffuse_color)
+        live.set_value(node.inputs["Substrate Color"], (0.9, 0.1 + 0.2 * kept, 0.1))
+        update()
+        assert (tuple(shown.diffuse_color) == before) == kept
+
+
 def test_world_and_neighbours_are_noticed(addon: Addon) -> None:
     bpy.context.scene.cycles.max_bounces = 0
     add("SUN", "Sun")
@@ -379,7 +460,8 @@ def jobs(addon: Addon, monkeypatch: pytest.MonkeyPatch) -> set[str]:
     app = SimpleNamespace(
         background=False, timers=bpy.app.timers, is_job_running=lambda kind: kind in running
     )
-    monkeypatch.setattr(addon("scene.follow"), "bpy", SimpleNamespace(app=app, context=bpy.context))
+    with_window = SimpleNamespace(app=app, context=bpy.context, data=bpy.data, types=bpy.types)
+    monkeypatch.setattr(addon("scene.follow"), "bpy", with_window)
     return running
 
 

@@ -176,6 +176,24 @@ def set_value(socket: bpy.types.NodeSocket, new: Value) -> None:
     home.update_tag()
 
 
+_values: dict[str, list[object]] = {}  # when stepped was called last
+
+
+def stepped() -> set[str]:
+    """The keys of the paints whose live values have changed since the last call."""
+    now = carrier.live_values()
+    found = {key for key, values in now.items() if values != _values.get(key)}
+    _values.clear()
+    _values.update(now)
+    return found
+
+
+def key_of(node: bpy.types.ShaderNodeGroup) -> str:
+    """Of a live paint; empty for any other."""
+    feeder = _feeder(node)
+    return feeder.node_tree[_KEY] if feeder else ""
+
+
 # --- all of the file ---------------------------------------------------------------------------
 
 

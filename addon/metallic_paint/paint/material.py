@@ -154,13 +154,16 @@ def apply(target: bpy.types.Material | bpy.types.ShaderNodeGroup, paint: Paint) 
             _show_in_solid_view(owner, paint)
 
 
-def follow_in_solid_view() -> None:
-    """Materials that are the paint and no more look as their sockets say now.
+def follow_in_solid_view(changed: Collection[int], stepped: Collection[str]) -> None:
+    """Materials that are the paint and no more look as their sockets say now: those of these
+    session_uids, and those whose live values have these keys.
 
     One whose owner gave it another look keeps that.
     """
     for owner in bpy.data.materials:
-        if _SOLID in owner and tuple(owner[_SOLID]) == _look_of(owner) and is_pure(owner):
+        if _SOLID not in owner or tuple(owner[_SOLID]) != _look_of(owner) or not is_pure(owner):
+            continue
+        if owner.session_uid in changed or (stepped and live.key_of(paint_node(owner)) in stepped):
             with contextlib.suppress(PaintError):  # of another version, or no paint that can be
                 _show_in_solid_view(owner, paint_of(owner))
 

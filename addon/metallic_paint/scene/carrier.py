@@ -103,6 +103,17 @@ def live_path(name: str) -> str:
     return f'["{_POINTER}"]["{name}"]'
 
 
+def live_values() -> dict[str, list[object]]:
+    """Of the file, by the paints that have them."""
+    found: dict[str, list[object]] = {}
+    for tree in all_of_file()[:1]:
+        for name in filter(_is_live, tree.keys()):
+            value = tree[name]
+            plain = value if isinstance(value, float) else tuple(value)
+            found.setdefault(name.split()[1], []).append(plain)
+    return found
+
+
 def keep_live(keys: Collection[str]) -> None:
     """Of the live values only those of these paints."""
     for tree in all_of_file():
@@ -152,6 +163,10 @@ def all_of_file() -> list[bpy.types.NodeTree]:
     ]
 
 
+def is_one(thing: bpy.types.ID) -> bool:
+    return isinstance(thing, bpy.types.NodeTree) and _MARK in thing
+
+
 def only() -> bpy.types.NodeTree:
     """The file's one, made when there is none; those that came with an append become it."""
     first, *others = all_of_file() or [_new()]
@@ -181,6 +196,10 @@ def attach(things: Collection[bpy.types.Object]) -> bool:
             thing.property_overridable_library_set(f'["{_POINTER}"]', True)
         thing.update_tag()
     return bool(new)
+
+
+def is_carried_by(thing: bpy.types.Object) -> bool:
+    return _POINTER in thing
 
 
 def is_attached(things: Collection[bpy.types.Object]) -> bool:
@@ -261,6 +280,11 @@ def values() -> list[tuple[int, Vector, float, Vector]]:
                     *vector, size = np.array(where, np.float32).tolist()
                     found.append((round(kind), Vector(vector), size, Vector(facing)))
     return found
+
+
+def is_full() -> bool:
+    """Whether all slots are in use, so that further lights may have none."""
+    return any(_facing_name(SLOTS) in tree for tree in all_of_file())
 
 
 def feed(lights: Sequence[Placed]) -> None:

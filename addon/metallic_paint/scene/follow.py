@@ -6,6 +6,11 @@ change. A timer fits the paints once the scene has been at rest for a moment. Wi
 are no timers, so the handler fits at once, and before a render too. While Cycles renders, nothing
 is fitted: the slots' drivers follow an animation by themselves.
 
+Most changes are moves, which drivers follow, and steps of live sliders, which the carrier has. The
+depsgraph tells them from others, so that work after an edit does not grow with the scene. It tells
+no more of an object than that it moved, if a script hides it or gives it another name in the same
+step: that is found with the next change, and before a render without a window.
+
 Where a light is an instance that no driver follows, its place is renewed with each change and each
 frame, in a render too.
 
@@ -20,13 +25,14 @@ import sys
 import threading
 import time
 import traceback
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..paint import live, material
-from . import lights, needs, placed, sky
+from . import carrier, lights, needs, placed, sky
 
 REST_SECONDS = 0.3
 
@@ -36,7 +42,8 @@ class _State:
     rendering: bool = False
     changed: bool = False  # since the last look
     changed_at: float = 0.0  # s
-    repaint: bool = False  # a paint may have changed since the Solid view last followed
+    repaint: set[int] = field(default_factory=set)  # materials that the Solid view has to follow
+    stepped: bool = False  # a live value may have changed since then
     shown: frozenset[str] = frozenset()  # the scenes in windows, at the last look
     trouble: str = ""  # why the last fit failed; empty after one that did not
 
@@ -52,8 +59,8 @@ def follow() -> float:
     """
     try:
         _look_for_another_scene()
-        if _state.changed and time.monotonic() - _state.changed_at >= REST_SECONDS:
-            _fit_if_changed()
+        if time.monotonic() - _state.changed_at >= REST_SECONDS:
+            _catch_up()
     except Exception as error:
         _tell(error)
     return REST_SECONDS
@@ -82,16 +89,20 @@ def _tell(error: Exception) -> None:
     _state.trouble = said
 
 
-def _fit_if_changed() -> None:
+def _catch_up() -> None:
     """Not while it renders: the timer comes again."""
     if _is_rendering():
         return
-    _state.changed = False
-    if lights.has_any():
-        _fit(needs.scene_to_fit(bpy.context.scene))
-        if _state.repaint and not _shows_renders():
-            _state.repaint = False
-            material.follow_in_solid_view()
+    if _state.changed:
+        _state.changed = False
+        if lights.has_any():
+            _fit(needs.scene_to_fit(bpy.context.scene))
+    if (_state.repaint or _state.stepped) and not _shows_renders():
+        # A new look has Cycles compile the paint anew, where it keeps what is compiled.
+        kept = any(scene.render.use_persistent_data for scene in bpy.data.scenes)
+        stepped = live.stepped() if _state.stepped and not kept else set()
+        material.follow_in_solid_view(_state.repaint, stepped)
+        _state.repaint, _state.stepped = set(), _state.stepped and kept
 
 
 def _fit(scene: bpy.types.Scene) -> None:
@@ -118,12 +129,57 @@ def _shows_renders() -> bool:
 
 @persistent
 def _changed(*_: object) -> None:
-    if needs.is_fitting():
+    """Whatever it was."""
+    if not needs.is_fitting():
+        _state.changed = True
+        _wait_for_rest()
+
+
+@persistent
+def _updated(_: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None) -> None:
+    if depsgraph is None or needs.is_fitting():
+        _changed()
         return
-    _state.repaint = True
-    _state.changed, _state.changed_at = True, time.monotonic()
+    updates = depsgraph.updates
+    paints = depsgraph.id_type_updated("MATERIAL") or depsgraph.id_type_updated("NODETREE")
+    for update in updates if paints else ():
+        if isinstance(update.id, bpy.types.Material):
+            _state.repaint.add(update.id.original.session_uid)
+        elif carrier.is_one(update.id):  # by a slider, or a fit: a lamp that moves tags nothing
+            _state.stepped |= update.is_updated_geometry
+    if not updates or not _are_followed(updates):
+        _state.changed = True
+    if _state.changed or _state.repaint or _state.stepped:
+        _wait_for_rest()
+
+
+def _are_followed(updates: Iterable[bpy.types.DepsgraphUpdate]) -> bool:
+    """Whether all are moves that drivers follow, or changes of the carrier."""
+    in_slots, rank = set(lights.in_slots()), carrier.is_full()
+    moves = False
+    for update in updates:
+        thing = update.id
+        if isinstance(thing, bpy.types.Object):
+            more = update.is_updated_geometry or update.is_updated_shading
+            if more or not update.is_updated_transform or (rank and _ranks(thing)):
+                return False
+            if thing.type == "LIGHT" and thing.original not in in_slots:
+                return False
+            moves = True
+        elif not carrier.is_one(thing):
+            return False
+    return not (moves and carrier.not_followed())
+
+
+def _ranks(thing: bpy.types.Object) -> bool:
+    """Whether its place may decide which lights have the slots, of more than there are."""
+    return thing.type == "LIGHT" or thing.instance_type != "NONE" or carrier.is_carried_by(thing)
+
+
+def _wait_for_rest() -> None:
+    _state.changed_at = time.monotonic()
     if bpy.app.background:
-        _fit_if_changed()
+        _catch_up()
 
 
 @persistent
@@ -137,6 +193,13 @@ def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> No
 @persistent
 def _loaded(*_: object) -> None:
     _state.rendering, _state.trouble = False, ""
+    _changed_everywhere()
+
+
+@persistent
+def _changed_everywhere(*_: object) -> None:
+    """No update tells what undo brings back."""
+    _state.repaint = {each.session_uid for each in bpy.data.materials}
     _changed()
 
 
@@ -150,8 +213,9 @@ def _before_saving(*_: object) -> None:
     """The timer may not have come yet, nor Blender's own update."""
     _state.rendering = False
     bpy.context.view_layer.update()
+    _state.changed = True  # not every change has Blender update anything
     try:
-        _fit_if_changed()
+        _catch_up()
     finally:
         live.settle_all()
 
@@ -172,13 +236,13 @@ def _render_ended(*_: object) -> None:
 
 
 _HANDLERS = {
-    "depsgraph_update_post": _changed,
+    "depsgraph_update_post": _updated,
     "frame_change_post": _frame_changed,
     "load_post": _loaded,
     "undo_pre": _before_undo,
     "redo_pre": _before_undo,
-    "undo_post": _changed,
-    "redo_post": _changed,
+    "undo_post": _changed_everywhere,
+    "redo_post": _changed_everywhere,
     "save_pre": _before_saving,
     "render_init": _render_begins,
     "render_complete": _render_ended,
