@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/parameters.py from parameters.toml: do not edit.
 //
-// What a paint can choose from, and the words by which people do.
+// What a paint can choose from, and the words by which people do; and what lights there are.
 #pragma once
 
 #include <array>
@@ -71,6 +71,10 @@ inline constexpr std::array kAnchorWords{"pixel", "surface"};
 enum class Instances { same = 0, own = 1 };
 inline constexpr std::array kInstancesWords{"same", "own"};
 
+// Nothing, a sun lamp, a point or spot, an area light, or the sun of a world
+enum class LightKind { unused = 0, parallel = 1, positional = 2, area = 3, sky = 4 };
+inline constexpr std::array kLightKindWords{"unused", "parallel", "positional", "area", "sky"};
+
 // Calls visit(name, Choice{}, words, explanation) for each of them.
 template <class Visit>
 void each_choice(const Visit& visit) {
@@ -100,6 +104,8 @@ void each_choice(const Visit& visit) {
   visit("Instances", Instances{}, kInstancesWords,
         "With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has "
         "flakes of its own, by the Random of Object Info");
+  visit("LightKind", LightKind{}, kLightKindWords,
+        "Nothing, a sun lamp, a point or spot, an area light, or the sun of a world");
 }
 
 }  // namespace metallic_paint

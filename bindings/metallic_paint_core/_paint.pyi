@@ -53,6 +53,13 @@ class Instances(IntEnum):
     same = 0
     own = 1
 
+class LightKind(IntEnum):
+    unused = 0
+    parallel = 1
+    positional = 2
+    area = 3
+    sky = 4
+
 Colour = tuple[float, float, float]
 
 class FlakeSpecies:

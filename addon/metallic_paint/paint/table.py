@@ -19,6 +19,9 @@ FORMER_DEFAULTS: dict[str, tuple[tuple[int, float | str | Color], ...]] = {
 # Of two colours; 1 but for the rounding of floats.
 MOST_OF_A_SUM = 1.0000001192092896
 
+# Nothing, a sun lamp, a point or spot, an area light, or the sun of a world
+UNUSED, PARALLEL, POSITIONAL, AREA, SKY = range(5)
+
 
 @dataclass(frozen=True)
 class FlakeFields:
