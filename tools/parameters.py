@@ -147,8 +147,8 @@ def real(number: float) -> str:
 
 
 def explained(row: Parameter) -> str:
-    """The comment on a field: tooltip, range and unit."""
-    text = row.tooltip
+    """The comment on a field: what the tooltip begins with, range and unit."""
+    text = row.tooltip.partition(". ")[0]
     if row.range and row.range != INT_RANGE:
         text += f"; {literal(row.range[0])} to {literal(row.range[1])} {row.unit}".rstrip()
     if row.as_roughness:
@@ -195,7 +195,7 @@ def cpp_choices(table: Table) -> Iterator[str]:
     )
     for row in table.choices:
         yield ""
-        yield from comment(row.tooltip, "//", 0)
+        yield from comment(row.tooltip.partition(". ")[0], "//", 0)
         members = [f"{word.replace('-', '_')} = {i}" for i, word in enumerate(row.choices)]
         line = f"enum class {row.choice} {{ {', '.join(members)} }};"
         if len(line) <= WIDTH:

@@ -60,8 +60,8 @@ _SOLID = "metallic_paint_solid"  # of a material: the look that it was given for
 
 _PANEL_DESCRIPTIONS = {
     FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
-    SECOND: "A second species of flakes beside the first; none while their number is 0",
-    THIRD: "A third species of flakes",
+    SECOND: "Other flakes among the first, such as pearls among aluminium. None while Flakes per mm² 2 is 0",
+    THIRD: "Further flakes among both. None while Flakes per mm² 3 is 0",
     BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
@@ -85,15 +85,15 @@ class _Extra:
 GEOMETRY = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL, "RestPosition": REST_POSITION}
 _GEOMETRY_DESCRIPTIONS = {
     NORMAL: "Normal of the surface, for bump or normal maps",
-    COAT_NORMAL: "Normal of the binder's surface where it is not that of the flakes",
-    REST_POSITION: "Place in the object's own space before anything deforms it, where the flakes "
-    "lie: for a mesh that deforms, the attribute rest_position",
+    COAT_NORMAL: "Normal of the lacquer's surface, where waves or dents in it leave the flakes as they are",
+    REST_POSITION: "For a mesh that deforms: where each point lies before it does, so that the "
+    "sparkles move with the mesh. Add Rest Position connects the attribute rest_position here",
 }
 
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
-        "Another number, another draw of the same flakes",
+        "Another number draws the flakes of the same paint anew, as another frame does",
     ),
 }  # fmt: skip
 _CURRENT_FRAME = "CurrentFrame"  # the shader's name of what is added to Frame
@@ -563,8 +563,8 @@ def _add_new_in_every_frame(
     """
     socket = group.interface.new_socket(
         NEW_IN_EVERY_FRAME, in_out="INPUT", socket_type="NodeSocketBool", parent=panel,
-        description="Every frame draws the flakes anew, like film grain; Blender compiles nothing "
-        "for it",
+        description="Draw the flakes anew in every frame, so that they flicker like film grain. "
+        "Blender compiles nothing for it",
     )  # fmt: skip
     socket.default_value = False
     carried = group.nodes.new("ShaderNodeAttribute")
@@ -598,7 +598,8 @@ def _add_model_scale(
 ) -> None:
     socket = group.interface.new_socket(
         MODEL_SCALE, in_out="INPUT", socket_type="NodeSocketFloat", parent=panel,
-        description="Metres of the real object per metre of the scene: 1 for a life-size model",
+        description="Metres of the real object per metre of the scene: 1 for a life-size model, "
+        "10 for one at a tenth of the size",
     )  # fmt: skip
     socket.min_value, socket.max_value, socket.default_value = 1e-3, 1e3, 1
 
