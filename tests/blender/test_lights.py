@@ -266,6 +266,7 @@ def test_an_area_light_is_its_disc_and_its_normal(
     lamp = place("AREA", "Area", shape=shape)
     data = lamp.data
     fill()
+    assert all(driver.is_simple_expression and driver.is_valid for driver in drivers())
     for _ in range(3):
         lamp.location = random.uniform(-3, 3, 3)
         lamp.rotation_euler = random.uniform(-3, 3, 3)

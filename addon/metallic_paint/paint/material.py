@@ -44,6 +44,7 @@ NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
+_MIXED = "it is of another version than the add-on, which has to be installed anew"
 _PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 LINKED = "The {} is linked from another file and cannot be changed"
@@ -243,9 +244,15 @@ def paint_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.ShaderNod
 
 
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
-    """The material's first paint node; one at the top level comes before those within groups."""
+    """The material's first paint node; one at the top level comes before those within groups.
+
+    Raises PaintError where it has none.
+    """
     if (node := next(paint_nodes(material.node_tree), None)) is None:
-        raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+        raise PaintError(
+            f"The material {material.name!r} has no {NAME} node: add one (Add > {NAME} in the "
+            "shader editor), or take a material that has one."
+        )
     return node
 
 
@@ -319,7 +326,10 @@ def assign(thing: bpy.types.Object, material: bpy.types.Material) -> None:
     """Paints the whole object: the material takes the place of all that it had."""
     materials = getattr(thing.data, "materials", None)
     if materials is None:
-        raise ValueError(f"The object {thing.name!r} ({thing.type}) cannot hold a material.")
+        raise PaintError(
+            f"The object {thing.name!r} ({thing.type}) cannot hold a material: paint one that has "
+            "a surface, such as a mesh."
+        )
     materials.clear()
     materials.append(material)
 
@@ -480,9 +490,13 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected |= {preview.RENDERED, OUTPUT}
     found = {socket.identifier for socket in (*script.inputs, *script.outputs)}
     if missing := sorted(expected - found):
-        raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
+        raise shader.CompileError(
+            f"{shader.FILE} lacks the parameters {', '.join(missing)}: {_MIXED}."
+        )
     if unknown := sorted(found - expected):
-        raise RuntimeError(f"{shader.FILE} has unknown parameters {', '.join(unknown)}.")
+        raise shader.CompileError(
+            f"{shader.FILE} has unknown parameters {', '.join(unknown)}: {_MIXED}."
+        )
 
 
 def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) -> None:

@@ -530,5 +530,3 @@ def _drive(
         target.id = datablock
         target.data_path = of
     driver.expression = expression
-    assert driver.is_simple_expression, expression
-    assert driver.is_valid, expression
