@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/parameters.py from parameters.toml: do not edit.
 //
-// What a paint can choose from, and the words by which people do; and what lights there are.
+// What a paint can choose from, and the words by which people do; kinds of light.
 #pragma once
 
 #include <array>

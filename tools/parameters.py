@@ -186,7 +186,7 @@ def cpp_choices(table: Table) -> Iterator[str]:
         "// SPDX-License-Identifier: Apache-2.0",
         f"// {MADE}",
         "//",
-        "// What a paint can choose from, and the words by which people do; and what lights there are.",
+        "// What a paint can choose from, and the words by which people do; kinds of light.",
         "#pragma once",
         "",
         "#include <array>",

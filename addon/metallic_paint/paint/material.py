@@ -61,8 +61,8 @@ _SOLID = "metallic_paint_solid"  # of a material: the look that it was given for
 
 _PANEL_DESCRIPTIONS = {
     FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
-    SECOND: "Other flakes among the first, such as pearls among aluminium. None while Flakes per mm² 2 is 0",
-    THIRD: "Further flakes among both. None while Flakes per mm² 3 is 0",
+    SECOND: "Other flakes among the first, as pearls among metal; none while Flakes per mm² 2 is 0",
+    THIRD: "Further flakes among both; none while Flakes per mm² 3 is 0",
     BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
@@ -86,7 +86,8 @@ class _Extra:
 GEOMETRY = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL, "RestPosition": REST_POSITION}
 _GEOMETRY_DESCRIPTIONS = {
     NORMAL: "Normal of the surface, for bump or normal maps",
-    COAT_NORMAL: "Normal of the lacquer's surface, where waves or dents in it leave the flakes as they are",
+    COAT_NORMAL: "Normal of the lacquer's surface, for waves or dents that leave the flakes as "
+    "they are",
     REST_POSITION: "For a mesh that deforms: where each point lies before it does, so that the "
     "sparkles move with the mesh. Add Rest Position connects the attribute rest_position here",
 }
