@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from common import blender_env
@@ -28,14 +29,14 @@ CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
 CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 
 
-def render_swatches(folder: Path) -> None:
+def render_swatches(folder: Path, names: Sequence[str]) -> None:
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
     scene.render.use_persistent_data = True  # the world is prepared once
     ball = scenes.small_swatch(scene)
-    painted = material.create(render_scene.load_paint(presets.names()[0]))
+    painted = material.create(render_scene.load_paint(names[0]))
     material.assign(ball, painted)
     painted.pass_index = render_scene.PAINT_INDEX
-    for name in presets.names():
+    for name in names:
         material.apply(painted, render_scene.load_paint(name))
         render_scene.take(scene)
         settings = scene.render.image_settings
@@ -79,10 +80,15 @@ def _set_preview(painted: bpy.types.Material, file: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--swatches", action="store_true", help="the swatches, not the library")
+    parser.add_argument(
+        "--swatches", nargs="*", metavar="PRESET", help="not the library, but all swatches or these"
+    )
     asked = parser.parse_args()
     with render_scene.quiet():
-        (render_swatches if asked.swatches else write_library)(asked.folder)
+        if asked.swatches is None:
+            write_library(asked.folder)
+        else:
+            render_swatches(asked.folder, asked.swatches or presets.names())
 
 
 if __name__ == "__main__":
