@@ -35,9 +35,9 @@ std::vector<Light<double>> lights_of(py::handle value) {
 namespace {
 
 Light<double> make_light(py::handle kind, py::handle vector, py::handle size, py::handle facing) {
+  static const std::string kinds = "a LightKind: " + one_of(metallic_paint::kLightKindWords);
   const Light<double> light{
-      from_python<LightKind>("light.kind", kind,
-                             "LightKind.unused, .parallel, .positional, .area or .sky"),
+      from_python<LightKind>("light.kind", kind, kinds.c_str()),
       three_numbers("light.vector", vector), from_python<double>("light.size", size, kNumber),
       facing.is_none() ? metallic_paint::Vec3<double>{} : three_numbers("light.facing", facing)};
   metallic_paint::validate(light);
@@ -53,13 +53,6 @@ py::tuple fields_of(const Light<double>& light) {
 }  // namespace
 
 void bind_light(py::module_& module) {
-  py::native_enum<LightKind>(module, "LightKind", "enum.IntEnum")
-      .value("unused", LightKind::unused)
-      .value("parallel", LightKind::parallel)
-      .value("positional", LightKind::positional)
-      .value("area", LightKind::area)
-      .value("sky", LightKind::sky)
-      .finalize();
   py::class_<Light<double>>(
       module, "Light",
       R"doc(A light that sparkles, as a slot of the shader holds it (paper, 5.3.5).

@@ -63,6 +63,15 @@ Array<std::int32_t> whole_numbers(const char* field, pybind11::handle value);
 // Likewise, but floats in single precision stay as they are.
 pybind11::array singles_or_doubles(const char* field, pybind11::handle value);
 
+// a, b or c
+std::string one_of(const auto& words) {
+  std::string all = words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    all += (i + 1 < words.size() ? ", " : " or ") + std::string(words[i]);
+  }
+  return all;
+}
+
 // The place among the names of the one that `value` is.
 std::size_t choice(const char* field, pybind11::handle value,
                    std::initializer_list<const char*> names);

@@ -76,13 +76,7 @@ struct Field<Rgb<double>> {
 template <class Choice>
   requires std::is_enum_v<Choice>
 struct Field<Choice> {
-  static std::string must_be(const auto& words) {
-    std::string all = words.front();
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      all += (i + 1 < words.size() ? ", " : " or ") + std::string(words[i]);
-    }
-    return all;
-  }
+  static std::string must_be(const auto& words) { return one_of(words); }
   static Choice to_python(Choice value) { return value; }
   static Choice from(const char* name, py::handle value, const std::string& must,
                      const auto& words) {

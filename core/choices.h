@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/parameters.py from parameters.toml: do not edit.
 //
-// What a paint can choose from, and the words by which people do.
+// What a paint can choose from, and the words by which people do; kinds of light.
 #pragma once
 
 #include <array>
 
 namespace metallic_paint {
 
-// How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX
+// How the flakes' tilts are distributed: 0 Gaussian, 1 Beckmann, 2 GGX
 enum class Orientation { gaussian = 0, beckmann = 1, ggx = 2 };
 inline constexpr std::array kOrientationWords{"gaussian", "beckmann", "ggx"};
 
-// 0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the interference
-// colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 gold, 4 copper, 5
-// bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 tio2-on-silica, 11 tio2-on-thin-silica,
-// 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 fe2o3-on-aluminium
+// What the flakes are made of
 enum class CoatingKind {
   colors = 0,
   aluminium = 1,
@@ -41,65 +38,70 @@ inline constexpr std::array kCoatingKindWords{"colors", "aluminium", "silver", "
                                               "fe2o3-on-silica", "fe2o3-on-aluminium"};
 // clang-format on
 
-// 0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides its own
-// Flake Spread
+// What spreads the light of a flake besides Flake Spread: 0 none, 1 disc, the diffraction at its
+// edge
 enum class Diffraction { none = 0, disc = 1 };
 inline constexpr std::array kDiffractionWords{"none", "disc"};
 
-// 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
-// instead, with the same mean. 2 correlated: what hides a flake from the observer often hides it
-// from the light as well, so dense layers are brighter, as real ones are
+// How flakes are hidden by those above them
 enum class DepthModel { attenuated = 0, thinned = 1, correlated = 2 };
 inline constexpr std::array kDepthModelWords{"attenuated", "thinned", "correlated"};
 
-// 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
+// 0 exact: the paint sends back as much light as it should
 enum class Radiometry { exact = 0, published = 1 };
 inline constexpr std::array kRadiometryWords{"exact", "published"};
 
-// 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel
-// takes the brighter of both
+// 0 exact: sparkles add to the rest of the light
 enum class Composition { exact = 0, published = 1 };
 inline constexpr std::array kCompositionWords{"exact", "published"};
 
-// What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they stay where
-// they are in the picture. 1 surface: they ride on the paint
+// What the sparkles belong to
 enum class Anchor { pixel = 0, surface = 1 };
 inline constexpr std::array kAnchorWords{"pixel", "surface"};
 
-// With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has flakes of
-// its own, by the Random of Object Info
+// 0 same: copies of an object sparkle alike
 enum class Instances { same = 0, own = 1 };
 inline constexpr std::array kInstancesWords{"same", "own"};
+
+// Nothing, a sun lamp, a point or spot, an area light, or the sun of a world
+enum class LightKind { unused = 0, parallel = 1, positional = 2, area = 3, sky = 4 };
+inline constexpr std::array kLightKindWords{"unused", "parallel", "positional", "area", "sky"};
 
 // Calls visit(name, Choice{}, words, explanation) for each of them.
 template <class Visit>
 void each_choice(const Visit& visit) {
   visit("Orientation", Orientation{}, kOrientationWords,
-        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX");
+        "How the flakes' tilts are distributed: 0 Gaussian, 1 Beckmann, 2 GGX. GGX has the "
+        "longest tail, a narrow flop with a wide veil");
   visit("CoatingKind", CoatingKind{}, kCoatingKindWords,
-        "0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the "
-        "interference colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 "
-        "gold, 4 copper, 5 bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 "
-        "tio2-on-silica, 11 tio2-on-thin-silica, 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 "
-        "fe2o3-on-aluminium");
+        "What the flakes are made of. 0 colors: the three above. Otherwise a measured metal, or a "
+        "pearl pigment with the interference colours of its film, as in a binder of index 1.5: 1 "
+        "aluminium, 2 silver, 3 gold, 4 copper, 5 bronze, 6 brass, 7 chromium, 8 nickel, 9 "
+        "tio2-on-mica, 10 tio2-on-silica, 11 tio2-on-thin-silica, 12 fe2o3-on-mica, 13 "
+        "fe2o3-on-silica, 14 fe2o3-on-aluminium");
   visit("Diffraction", Diffraction{}, kDiffractionWords,
-        "0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides "
-        "its own Flake Spread");
+        "What spreads the light of a flake besides Flake Spread: 0 none, 1 disc, the diffraction "
+        "at its edge. Sparkles of flakes under 20 micrometres grow wider and dimmer by it");
   visit("DepthModel", DepthModel{}, kDepthModelWords,
-        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
-        "out instead, with the same mean. 2 correlated: what hides a flake from the observer "
-        "often hides it from the light as well, so dense layers are brighter, as real ones are");
+        "How flakes are hidden by those above them. 0 attenuated: the deeper a flake lies, the "
+        "dimmer its sparkle. 1 thinned: deep flakes are left out instead, and the paint stays as "
+        "bright on average. 2 correlated: most flakes that the camera sees are lit as well, so "
+        "dense paints are brighter, as real ones are");
   visit("Radiometry", Radiometry{}, kRadiometryWords,
-        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter");
+        "0 exact: the paint sends back as much light as it should. 1 published: the formulas of "
+        "the paper that this paint comes from, to the letter, which differ in brightness");
   visit("Composition", Composition{}, kCompositionWords,
-        "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots "
-        "a pixel takes the brighter of both");
+        "0 exact: sparkles add to the rest of the light. 1 published: a pixel shows the brighter "
+        "of both, for each light in the slots");
   visit("Anchor", Anchor{}, kAnchorWords,
-        "What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they "
-        "stay where they are in the picture. 1 surface: they ride on the paint");
+        "What the sparkles belong to. 0 pixel: each pixel of the picture has its own, as in the "
+        "paper, and they stay there when the object moves. 1 surface: they lie on the paint and "
+        "move with it");
   visit("Instances", Instances{}, kInstancesWords,
-        "With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has "
-        "flakes of its own, by the Random of Object Info");
+        "0 same: copies of an object sparkle alike. 1 own: every object and instance has flakes "
+        "of its own, by its Random of Object Info. Only with Anchor 1 surface");
+  visit("LightKind", LightKind{}, kLightKindWords,
+        "Nothing, a sun lamp, a point or spot, an area light, or the sun of a world");
 }
 
 }  // namespace metallic_paint

@@ -9,12 +9,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "choices.h"
 #include "elementary.h"
 #include "vector.h"
 
 namespace metallic_paint {
-
-enum class LightKind { unused = 0, parallel = 1, positional = 2, area = 3, sky = 4 };
 
 template <class T>
 struct Light {

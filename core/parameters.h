@@ -17,30 +17,27 @@ inline constexpr int kSpecies = 3;  // of flakes, in a paint
 
 // One species of flakes.
 struct FlakeSpecies {
-  // Flakes in the whole depth of the layer under one square millimetre of surface; 0 to 1e9 1/mm2
+  // How many flakes lie under a square millimetre of paint, in the whole depth of its layer; 0 to
+  // 1e9 1/mm2
   double flakes_per_mm2 = 3000;
-  // Diameter of the disk that has the mean area of the flakes, in micrometres; 0.001 to 100000 um
+  // Diameter, in micrometres, of a disc with the mean area of the flakes; 0.001 to 100000 um
   double flake_diameter_um = 20;
-  // Standard deviation of the flakes' area divided by its mean; 0 to 100
+  // How unequal the flakes are: the standard deviation of their area, divided by its mean; 0 to 100
   double flake_area_spread = 0.3;
-  // How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX
+  // How the flakes' tilts are distributed: 0 Gaussian, 1 Beckmann, 2 GGX
   Orientation orientation = Orientation::gaussian;
-  // How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha (at most 1)
-  // for Beckmann and GGX; 1e-6 to 100 rad (gaussian), 1e-6 to 1 (roughness of beckmann and ggx)
+  // How far the flakes lie out of the surface: radians for 0 Gaussian, roughness (at most 1) for 1
+  // Beckmann and 2 GGX; 1e-6 to 100 rad (gaussian), 1e-6 to 1 (roughness of beckmann and ggx)
   double tilt = 0.15;
-  // Angular radius by which one flake, being wavy, spreads the light that it reflects; 0 to 0.5 rad
+  // Angle from the middle to the edge of the beam that one flake, being wavy, mirrors; 0 to 0.5 rad
   double flake_spread = 0.005;
-  // Reflectance of a flake at normal incidence. Only with Coating 0; 0 to 1
+  // Colour that a flake reflects when it is seen face on; 0 to 1
   Rgb<double> flake_color{0.91, 0.92, 0.92};
-  // Reflectance of a flake at grazing incidence. Only with Coating 0; 0 to 1
+  // Colour that a flake reflects at a grazing angle, where one looks flat along it; 0 to 1
   Rgb<double> flake_edge_color{1, 1, 1};
-  // Transmittance of a flake at every angle: with either reflectance at most 1. Only with Coating
-  // 0; 0 to 1
+  // Share of the light that a flake lets through, at every angle; 0 to 1
   Rgb<double> flake_transmission{0, 0, 0};
-  // 0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the interference
-  // colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 gold, 4 copper, 5
-  // bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 tio2-on-silica, 11
-  // tio2-on-thin-silica, 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 fe2o3-on-aluminium
+  // What the flakes are made of
   CoatingKind coating = CoatingKind::colors;
   // Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres; 0 to 200
   // nm
@@ -53,53 +50,44 @@ struct FlakeSpecies {
 struct Paint : FlakeSpecies {
   std::array<FlakeSpecies, kSpecies - 1> more{FlakeSpecies{.flakes_per_mm2 = 0},
                                               FlakeSpecies{.flakes_per_mm2 = 0}};
-  // Refractive index of the binder relative to what surrounds the paint; 0.1 to 10
+  // Refractive index of the binder, the lacquer that holds the flakes, relative to what surrounds
+  // the paint; 0.1 to 10
   double binder_ior = 1.5;
   // Thickness of the layer that holds the flakes, in micrometres; 0 to 1e6 um
   double layer_thickness_um = 30;
-  // How much of red, green and blue the binder absorbs per millimetre of path; 0 to 1e6 1/mm
+  // How much red, green and blue the binder absorbs per millimetre of path; 0 to 1e6 1/mm
   Rgb<double> binder_absorption_per_mm{0, 0, 0};
-  // Weight of the scattering by pigment particles, per millimetre; 0 to 1e6 1/mm
+  // How much light fine white pigment in the binder scatters, per millimetre; 0 to 1e6 1/mm
   double rayleigh_per_mm = 0;
-  // 0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides its own
-  // Flake Spread
+  // What spreads the light of a flake besides Flake Spread: 0 none, 1 disc, the diffraction at its
+  // edge
   Diffraction diffraction = Diffraction::disc;
-  // 0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left out
-  // instead, with the same mean. 2 correlated: what hides a flake from the observer often hides it
-  // from the light as well, so dense layers are brighter, as real ones are
+  // How flakes are hidden by those above them
   DepthModel depth_model = DepthModel::correlated;
-  // 0 exact: energy is conserved. 1 published: the formulas of the paper to the letter
+  // 0 exact: the paint sends back as much light as it should
   Radiometry radiometry = Radiometry::exact;
-  // 0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots a pixel
-  // takes the brighter of both
+  // 0 exact: sparkles add to the rest of the light
   Composition composition = Composition::exact;
-  // What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they stay
-  // where they are in the picture. 1 surface: they ride on the paint
+  // What the sparkles belong to
   Anchor anchor = Anchor::surface;
-  // With Anchor surface: so many cells of the paint, each with sparkles of its own, lie in a pixel.
-  // More show them sharper and want more samples; 1 to 64
+  // Into how many cells of the paint, each with sparkles of its own, a pixel is divided; 1 to 64
   double cells_per_pixel = 5;
-  // With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has flakes
-  // of its own, by the Random of Object Info
+  // 0 same: copies of an object sparkle alike
   Instances instances = Instances::own;
-  // How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at all, only
-  // their mean is left. With Composition exact, the paint stays as bright; 0 to 1
+  // How much the sparkles of the lights in the slots stand out: 1 as those of real flakes, 0 not at
+  // all, which leaves an even sheen; 0 to 1
   double sparkle_contrast = 1;
-  // Another number, another set of flakes
+  // Another number gives the paint another set of flakes
   int seed = 0;
-  // Diffuse reflectance of what lies under the flakes; 0 to 1
+  // Colour of the matt ground under the flakes; 0 to 1
   Rgb<double> substrate_color{0.02, 0.02, 0.02};
-  // Relative deviation, from place to place, of the light that is scattered several times or by the
-  // substrate, seen over 1 mm²; finer pixels see more, the finest even more than they receive; 0 to
-  // 1
+  // Grain in the soft light between the sparkles, which the substrate and the layer scatter; 0 to 1
   double texture_contrast = 0;
-  // Roughness of the surface of the binder. It blurs the highlight, and the flakes seen through it:
-  // sparkles become more and dimmer; 0 to 1
+  // Roughness of the binder's surface; 0 to 1
   double coat_roughness = 0;
-  // Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good car
-  // paint has some 0.1°; 0 to 1 rad
+  // Slope (root mean square) of the waves that spraying leaves in the binder's surface; 0 to 1 rad
   double orange_peel = 0;
-  // Wavelength of those waves, in millimetres; 0.001 to 1e6 mm
+  // Wavelength of the waves of Orange Peel, in millimetres; 0.001 to 1e6 mm
   double orange_peel_mm = 3;
   // Another number, another draw of the same flakes. The scene's, not the paint's.
   int frame = 0;

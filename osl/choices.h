@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/parameters.py from parameters.toml: do not edit.
 //
-// What a paint can choose from.
+// What a paint can choose from; the kinds of light.
 #pragma once
 
 #define ORIENTATION_GAUSSIAN 0
@@ -42,3 +42,9 @@
 
 #define INSTANCES_SAME 0
 #define INSTANCES_OWN 1
+
+#define LIGHT_UNUSED 0
+#define LIGHT_PARALLEL 1
+#define LIGHT_POSITIONAL 2
+#define LIGHT_AREA 3
+#define LIGHT_SKY 4

@@ -3,13 +3,9 @@
 // The lights that sparkle, as seen from a point: see core/light.h.
 #pragma once
 
+#include "choices.h"
 #include "elementary.h"
 
-#define LIGHT_UNUSED 0
-#define LIGHT_PARALLEL 1
-#define LIGHT_POSITIONAL 2
-#define LIGHT_AREA 3
-#define LIGHT_SKY 4
 #define LEAST_GAP 2e-3
 #define SKY_REACH 0.02
 #define WIDEST_SINE 0.5

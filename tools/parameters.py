@@ -28,16 +28,29 @@ class TableError(ValueError):
     """What is wrong with the table."""
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """A row of the table; the columns are explained there."""
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """One of several words. The columns are explained in the table."""
 
     name: str
+    tooltip: str
+    choices: Sequence[str] = ()
+    enum: str = ""
+
+    @property
+    def choice(self) -> str:
+        """The name of the choice in C++."""
+        return self.enum or camel(self.name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter(Choice):
+    """A row of the table, of a paint."""
+
     type: str
     default: Any
     label: str
     panel: str
-    tooltip: str
     usual: str
     manual: str
     acts_on: str | list[str]
@@ -45,21 +58,14 @@ class Parameter:
     useful: Sequence[float] = ()
     unit: str = ""
     subtype: str = "NONE"
-    choices: Sequence[str] = ()
     default_of_further: float | None = None
     as_roughness: dict[str, Any] | None = None
     input: str = ""
-    enum: str = ""
     former: Sequence[dict[str, Any]] = ()
 
     @property
     def shader(self) -> str:
         return self.input or camel(self.name)
-
-    @property
-    def choice(self) -> str:
-        """The name of the choice in C++."""
-        return self.enum or camel(self.name)
 
     @property
     def is_triple(self) -> bool:
@@ -85,14 +91,15 @@ class Table:
     most_of_a_sum: float
     flakes: list[Parameter]
     paint: list[Parameter]
+    lights: list[Choice]
 
     @property
     def all(self) -> list[Parameter]:
         return [*self.flakes, *self.paint]
 
     @property
-    def choices(self) -> list[Parameter]:
-        return [each for each in self.all if each.choices]
+    def choices(self) -> list[Choice]:
+        return [*(each for each in self.all if each.choices), *self.lights]
 
 
 def camel(name: str) -> str:
@@ -103,18 +110,19 @@ def read(file: Path = ROOT / TABLE) -> Table:
     content = tomllib.loads(file.read_text(encoding="utf-8"))
     for key in ("flakes", "paint"):
         content[key] = [_row(name, columns) for name, columns in content[key].items()]
+    content["lights"] = [Choice(name=name, **of) for name, of in content["lights"].items()]
     return Table(**content)
 
 
 def _row(name: str, columns: dict[str, Any]) -> Parameter:
     try:
-        row = Parameter(name, **columns)
+        row = Parameter(name=name, **columns)
     except TypeError as error:
         raise TableError(f"{TABLE}: {name}: {error}.") from error
     if row.tooltip.endswith("{choices}"):
         numbered = ", ".join(f"{i} {word}" for i, word in enumerate(row.choices) if i)
         columns = columns | {"tooltip": row.tooltip.replace("{choices}", numbered)}
-        row = Parameter(name, **columns)
+        row = Parameter(name=name, **columns)
     return row
 
 
@@ -139,8 +147,8 @@ def real(number: float) -> str:
 
 
 def explained(row: Parameter) -> str:
-    """The comment on a field: tooltip, range and unit."""
-    text = row.tooltip
+    """The comment on a field: what the tooltip begins with, range and unit."""
+    text = row.tooltip.partition(". ")[0]
     if row.range and row.range != INT_RANGE:
         text += f"; {literal(row.range[0])} to {literal(row.range[1])} {row.unit}".rstrip()
     if row.as_roughness:
@@ -178,7 +186,7 @@ def cpp_choices(table: Table) -> Iterator[str]:
         "// SPDX-License-Identifier: Apache-2.0",
         f"// {MADE}",
         "//",
-        "// What a paint can choose from, and the words by which people do.",
+        "// What a paint can choose from, and the words by which people do; kinds of light.",
         "#pragma once",
         "",
         "#include <array>",
@@ -187,7 +195,7 @@ def cpp_choices(table: Table) -> Iterator[str]:
     )
     for row in table.choices:
         yield ""
-        yield from comment(row.tooltip, "//", 0)
+        yield from comment(row.tooltip.partition(". ")[0], "//", 0)
         members = [f"{word.replace('-', '_')} = {i}" for i, word in enumerate(row.choices)]
         line = f"enum class {row.choice} {{ {', '.join(members)} }};"
         if len(line) <= WIDTH:
@@ -209,7 +217,7 @@ def cpp_choices(table: Table) -> Iterator[str]:
     yield from ("}", "", "}  // namespace metallic_paint")
 
 
-def _cpp_words(row: Parameter) -> Iterator[str]:
+def _cpp_words(row: Choice) -> Iterator[str]:
     start = f"inline constexpr std::array k{row.choice}Words{{"
     words = [f'"{word}"' for word in row.choices]
     lines = packed(words, start, "};")
@@ -374,7 +382,7 @@ OSL_WIDTH = 125
 
 
 def osl_choices(table: Table) -> Iterator[str]:
-    yield from (*OSL_HEAD, "// What a paint can choose from.", "#pragma once")
+    yield from (*OSL_HEAD, "// What a paint can choose from; the kinds of light.", "#pragma once")
     for row in table.choices:
         yield ""
         for i, word in enumerate(row.choices):
@@ -531,6 +539,10 @@ def addon(table: Table) -> Iterator[str]:
             yield f'    "{row.name}": ({", ".join(former)},),'
     yield from ("}", "", "# Of two colours; 1 but for the rounding of floats.",
                 f"MOST_OF_A_SUM = {literal(table.most_of_a_sum)}")  # fmt: skip
+    for kinds in table.lights:
+        names = ", ".join(word.upper() for word in kinds.choices)
+        yield from ("", *comment(kinds.tooltip, "#", 0),
+                    f"{names} = range({len(kinds.choices)})")  # fmt: skip
     for name, rows in (("Flake", table.flakes), ("Paint", table.paint)):
         yield from ("", "", "@dataclass(frozen=True)", f"class {name}Fields:")
         for row in rows:

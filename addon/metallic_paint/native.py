@@ -42,7 +42,7 @@ def core_lights() -> list[Light]:
     found = []
     for kind, vector, size, facing in carrier.values():
         points = facing if kind == carrier.AREA else vector
-        known = kind == carrier.POSITIONED or any(points)
+        known = kind == carrier.POSITIONAL or any(points)
         found.append(core.Light(core.LightKind(kind if known else 0), vector, size, facing))
     return found
 

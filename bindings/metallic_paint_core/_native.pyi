@@ -2,7 +2,6 @@
 """Types of the native module; its docstrings are in the module itself."""
 
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import Literal, TypedDict
 
 import numpy as np
@@ -15,18 +14,12 @@ from ._paint import DepthModel as DepthModel
 from ._paint import Diffraction as Diffraction
 from ._paint import FlakeSpecies as FlakeSpecies
 from ._paint import Instances as Instances
+from ._paint import LightKind as LightKind
 from ._paint import Orientation as Orientation
 from ._paint import Paint as Paint
 from ._paint import Radiometry as Radiometry
 
 __version__: str
-
-class LightKind(IntEnum):
-    unused = 0
-    parallel = 1
-    positional = 2
-    area = 3
-    sky = 4
 
 class Light:
     def __init__(

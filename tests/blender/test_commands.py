@@ -392,6 +392,32 @@ def test_an_interruption_while_blender_is_imported_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
+# The signal comes as soon as there is a folder to leave behind, before the import.
+AT_ONCE = """
+import os, tempfile
+make = tempfile.mkdtemp
+def make_and_send(**given):
+    folder = make(**given)
+    os.kill(os.getpid(), int(sys.argv[2]))
+    return folder
+tempfile.mkdtemp = make_and_send
+"""
+
+
+def test_an_interruption_just_before_blender_is_imported_leaves_nothing(tmp_path: Path) -> None:
+    begin = BEGIN.replace("from common", f"{AT_ONCE}\nfrom common")
+    ended = subprocess.run(
+        [sys.executable, "-c", begin, TOOLS, str(signal.SIGTERM.value)],
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=SECONDS,
+    )
+    assert ended.returncode == 128 + signal.SIGTERM
+    assert ended.stderr.endswith("\nInterrupted.\n")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_render_leaves_the_earlier_picture(
     out: Path, triangle: Path, number: signal.Signals

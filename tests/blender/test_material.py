@@ -260,8 +260,9 @@ def test_paints_share_one_group_one_shader_and_one_set_of_lights() -> None:
 
 def test_a_material_without_paint_takes_no_paint() -> None:
     plain = bpy.data.materials.new("Plain")
-    with pytest.raises(ValueError, match="'Plain' has no Metallic Paint node"):
-        material.apply(plain, Paint())
+    for act in (material.paint_of, lambda each: material.apply(each, Paint())):
+        with pytest.raises(PaintError, match="'Plain' has no Metallic Paint node: add one"):
+            act(plain)
 
 
 @pytest.mark.parametrize(
@@ -296,7 +297,7 @@ def test_assigning_paints_the_whole_object(plane: bpy.types.Object) -> None:
 
 
 def test_an_empty_cannot_be_painted() -> None:
-    with pytest.raises(ValueError, match=r"'Nothing' \(EMPTY\) cannot hold a material"):
+    with pytest.raises(PaintError, match=r"'Nothing' \(EMPTY\) cannot hold a material: paint"):
         material.assign(bpy.data.objects.new("Nothing", None), material.create(Paint()))
 
 
@@ -480,7 +481,7 @@ def test_a_shader_that_does_not_compile_is_an_error_with_the_compilers_words(
 
 def test_a_shader_that_lacks_a_parameter_is_an_error(use_source: Callable[[str], None]) -> None:
     use_source(probe("").replace("int Seed = 0,", ""))
-    with pytest.raises(RuntimeError, match=r"lacks the parameters Seed\."):
+    with pytest.raises(shader.CompileError, match=r"lacks the parameters Seed: .* anew\."):
         material.node_group()
     assert not bpy.data.node_groups
 
@@ -489,7 +490,7 @@ def test_a_shader_with_an_unknown_parameter_is_an_error(
     use_source: Callable[[str], None],
 ) -> None:
     use_source(probe("").replace("int Seed = 0,", "int Seed = 0, float Glitter = 1,"))
-    with pytest.raises(RuntimeError, match=r"unknown parameters Glitter\."):
+    with pytest.raises(shader.CompileError, match=r"unknown parameters Glitter: .* anew\."):
         material.node_group()
 
 

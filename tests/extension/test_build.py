@@ -122,6 +122,7 @@ def test_asset_library_holds_no_trace_of_this_machine(own: Path, tmp_path: Path)
     content = plain.read_bytes()
     assert b"OpenShadingLanguage 1.00" in content
     assert str(ROOT).encode() not in content
+    assert b"%line{" not in content  # nor the hints that tell where an operation comes from
 
 
 @pytest.mark.long

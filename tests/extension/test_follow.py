@@ -109,7 +109,7 @@ def test_type_changes_follow(addon: Addon) -> None:
     lamp = add("SUN", "Lamp")
     lamp.data.type = "POINT"
     update()
-    assert addon("scene.carrier").values()[0][0] == addon("scene.carrier").POSITIONED
+    assert addon("scene.carrier").values()[0][0] == addon("scene.carrier").POSITIONAL
     lamp.data.type = "AREA"
     update()
     size = addon("scene.carrier").values()[0][2]
@@ -215,7 +215,7 @@ def test_an_object_that_is_painted_by_hand_sees_the_lights(
     update()
     lamp.location.x = 7
     update()
-    path = addon("scene.carrier").path(1, addon("scene.carrier").POSITIONED)
+    path = addon("scene.carrier").path(1, addon("scene.carrier").POSITIONAL)
     for thing in (cube, painted):
         shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
         assert shown.path_resolve(path)[0] == 7

@@ -197,7 +197,7 @@ def test_paint_node_refuses_to_stand_in_a_paint(addon: Addon, editor: bpy.types.
 # --- a Blender that cannot compile ------------------------------------------------------------
 
 
-@pytest.fixture(params=["compiler", "no osl", "no folder"])
+@pytest.fixture(params=["compiler", "other version", "no osl", "no folder"])
 def uncompiled(
     request: pytest.FixtureRequest, addon: Addon, monkeypatch: pytest.MonkeyPatch
 ) -> str:
@@ -206,10 +206,15 @@ def uncompiled(
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied", "/tmp/a")
 
+    whole = addon("paint.shader").source()
     monkeypatch.setattr(addon("paint.shader"), "source", lambda: "shader broken(")
     if request.param == "no folder":
         monkeypatch.setattr(tempfile, "TemporaryFile", refuse)
         return "The paint's shader cannot be compiled: .*Permission denied"
+    if request.param == "other version":
+        other = whole.replace("int Seed = 0", "int Sead = 0").replace(" Seed,", " Sead,")
+        monkeypatch.setattr(addon("paint.shader"), "source", lambda: other)
+        return "metallic_paint.osl lacks the parameters Seed: it is of another version"
     if request.param == "compiler":
         return r"metallic_paint.osl[.\d]* does not compile as OSL"
     monkeypatch.setattr(addon("paint.material"), "has_osl", lambda: False)

@@ -21,6 +21,7 @@ def test_what_is_made_of_the_table_is_fresh(path: str) -> None:
 @pytest.mark.parametrize("row", TABLE.all, ids=lambda row: row.name)
 def test_a_parameter_is_told_whole(row: parameters.Parameter) -> None:
     assert row.tooltip
+    assert not row.tooltip.endswith(".")
     assert row.manual
     assert row.usual
     if row.choices:

@@ -31,12 +31,12 @@ def prepare() -> None:
     packages = sorted(Path(spec.origin).parent.glob("*/python/lib/python3*/site-packages"))
     sys.path[:0] = map(str, packages)
 
+    # Ctrl-C within the import is lost, or bpy crashes: it has to wait, and so it has from where
+    # there is a folder to remove.
+    signal.pthread_sigmask(signal.SIG_BLOCK, stop_signals())
     user = Path(tempfile.mkdtemp(prefix="metallic-paint-"))
     os.environ["BLENDER_USER_RESOURCES"] = str(user)
     _scratch.append(user)
-
-    # Ctrl-C within the import is lost, or bpy crashes: it has to wait.
-    signal.pthread_sigmask(signal.SIG_BLOCK, stop_signals())
     importlib.import_module("bpy")
     if came := signal.sigpending() & set(stop_signals()):
         if is_outermost():

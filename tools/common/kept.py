@@ -2,12 +2,15 @@
 """What a long command has found on the sources as they are, so that a run cut short goes on.
 
 Each command has a file in build/kept: first the digest of the sources and what else its findings
-hold for, then a line for each finding.
+hold for, then a line for each finding. Each begins with its line's end, so that one that was cut
+short spoils no other.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -28,12 +31,19 @@ class Kept(dict):
     def __init__(self, file: Path) -> None:
         self.file = file
         _, *lines = file.read_text(encoding="utf-8").splitlines()
-        super().__init__(map(json.loads, lines))
+        super().__init__(_whole(lines))
 
     def add(self, name: str, finding: object) -> None:
         self[name] = finding
         with self.file.open("a", encoding="utf-8") as file:
-            file.write(json.dumps([name, finding]) + "\n")
+            file.write("\n" + json.dumps([name, finding]))
+
+
+def _whole(lines: Iterable[str]) -> Iterator[tuple[str, object]]:
+    """Without those whose writing was cut short: what they told is found again."""
+    for line in lines:
+        with suppress(json.JSONDecodeError):
+            yield json.loads(line)
 
 
 def keep(name: str, *, again: bool = False, **conditions: object) -> Kept:
@@ -42,5 +52,5 @@ def keep(name: str, *, again: bool = False, **conditions: object) -> Kept:
     head = json.dumps({"sources": digest_of_sources(), **conditions})
     if again or not file.is_file() or file.read_text(encoding="utf-8").split("\n")[0] != head:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(f"{head}\n", encoding="utf-8")
+        file.write_text(head, encoding="utf-8")
     return Kept(file)

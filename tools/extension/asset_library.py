@@ -8,7 +8,10 @@ the swatches PRESET.jpg. The swatches are committed (./paint extension --swatche
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from common import blender_env
@@ -27,15 +30,25 @@ SAMPLES = 32
 CATALOG = "4f1f5c8e-4c0e-4f0e-9a55-6d2b7a6a1d10"
 CATALOGS = f"VERSION 1\n\n{CATALOG}:Metallic Paint:Metallic Paint\n"
 
+# Of the bytecode: which line of which file on this machine each operation comes from; which of its
+# arguments it writes, where that is the first alone, as OSL takes it without being told; between
+# which operations a variable lives, which OSL finds again itself. Of these hints is more than half
+# of the text, which every file with a paint holds.
+_HINTS = re.compile(
+    r'^#.*\n|[ \t]*%filename\{"[^"\n]*"\}|[ \t]*%line\{\d+\}|[ \t]*%argrw\{"wr*"\}', re.MULTILINE
+)
+_VARIABLE = re.compile(r"^(?:temp|local|const)\t.*", re.MULTILINE)
+_LIFETIME = re.compile(r"[ \t]*%(?:read|write)\{[-\d,]*\}")
 
-def render_swatches(folder: Path) -> None:
+
+def render_swatches(folder: Path, names: Sequence[str]) -> None:
     scene = scenes.empty_scene(PIXELS, PIXELS, SAMPLES)
     scene.render.use_persistent_data = True  # the world is prepared once
     ball = scenes.small_swatch(scene)
-    painted = material.create(render_scene.load_paint(presets.names()[0]))
+    painted = material.create(render_scene.load_paint(names[0]))
     material.assign(ball, painted)
     painted.pass_index = render_scene.PAINT_INDEX
-    for name in presets.names():
+    for name in names:
         material.apply(painted, render_scene.load_paint(name))
         render_scene.take(scene)
         settings = scene.render.image_settings
@@ -59,11 +72,18 @@ def write_library(folder: Path) -> None:
         painted.asset_data.description = content["description"]
         _set_preview(painted, preset_operators.SWATCHES / f"{name}.jpg")
         paints.add(painted)
+    _drop_hints(material.node_group().nodes[material.NAME])
     file = folder / "metallic_paint.blend"
     bpy.data.libraries.write(str(file), paints, fake_user=True, compress=True)
     (folder / "blender_assets.cats.txt").write_text(CATALOGS, encoding="utf-8")
     kept = file.with_suffix(shader.DIGEST)
     kept.write_text(material.digest(shader.source()), encoding="ascii")
+
+
+def _drop_hints(script: bpy.types.ShaderNodeScript) -> None:
+    bare = _HINTS.sub("", script.bytecode)
+    script.bytecode = _VARIABLE.sub(lambda line: _LIFETIME.sub("", line[0]), bare)
+    script.bytecode_hash = hashlib.md5(script.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 
 def _set_preview(painted: bpy.types.Material, file: Path) -> None:
@@ -79,10 +99,15 @@ def _set_preview(painted: bpy.types.Material, file: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--swatches", action="store_true", help="the swatches, not the library")
+    parser.add_argument(
+        "--swatches", nargs="*", metavar="PRESET", help="not the library, but all swatches or these"
+    )
     asked = parser.parse_args()
     with render_scene.quiet():
-        (render_swatches if asked.swatches else write_library)(asked.folder)
+        if asked.swatches is None:
+            write_library(asked.folder)
+        else:
+            render_swatches(asked.folder, asked.swatches or presets.names())
 
 
 if __name__ == "__main__":

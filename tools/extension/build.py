@@ -108,10 +108,10 @@ def wheels_for(kind: str, folder: Path) -> list[Path]:
 
 def render_swatches(blender: Blender) -> None:
     say("Rendering the presets' swatches (3 minutes)…")
-    program = [blender.python, TOOLS, "extension.asset_library", "--swatches"]
+    program = [blender.python, TOOLS, "extension.asset_library"]
     with telling_time("Rendering the swatches"), files.whole(ADDON / "swatches") as folder:
         folder.mkdir()
-        run_step("Rendering the swatches", [*program, folder], "swatches.log")
+        run_step("Rendering the swatches", [*program, folder, "--swatches"], "swatches.log")
 
 
 def _make_library(blender: Blender) -> None:

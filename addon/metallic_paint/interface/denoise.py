@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class SCENE_OT_metallic_paint_denoise(bpy.types.Operator):
-    """Set up compositing so that the sparkles' light passes by the denoiser and everything else \
-goes through it. The sun of an environment image becomes a lamp for this"""
+    """Denoise everything but the sparkles, by nodes of the compositor. The sun of an environment \
+image becomes a lamp for this"""
 
     bl_idname = "scene.metallic_paint_denoise"
     bl_label = SET_UP

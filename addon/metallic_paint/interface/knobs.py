@@ -204,8 +204,8 @@ def register() -> None:
 def _tint_property() -> object:
     return bpy.props.FloatVectorProperty(  # type: ignore[func-returns-value]
         name="Lacquer",
-        description="Colour of white light after it has passed the layer once at its thickness. "
-        "It sets the absorption, and changes with the thickness",
+        description="The lacquer's tint: what is left of white light that went once through the "
+        "layer. Sets Absorption for the present Layer Thickness; a thicker layer is darker",
         subtype="COLOR",
         size=3,
         min=0,

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 class MATERIAL_OT_metallic_paint_live(operators.ChangesPaint):
-    """Let the Rendered view follow this paint's numbers and colours at once. Blender prepares the \
-paint once more, and then no more for a step of a slider, nor for keys on it, but a sample takes \
-a fifth longer. What is 0 now stays as it is: add the part, and switch this off and on again"""
+    """Let the Rendered view follow this paint's numbers and colours at once. Blender compiles the \
+paint once for this, and a sample takes a fifth longer. A part of the paint that is 0 now stays \
+away: add it, then switch this off and on again"""
 
     bl_idname = "material.metallic_paint_live"
     bl_label = "Live Sliders"

@@ -204,8 +204,8 @@ class NODE_OT_metallic_paint_add(bpy.types.Operator):
 
 
 class SCENE_OT_metallic_paint_update_lights(bpy.types.Operator):
-    """Give the paints the scene's lights anew, and leave out what the scene does not require. \
-This happens by itself while one works; a script calls it"""
+    """Tell the paints anew which lights the scene has, and which parts of a paint it does \
+without. This happens by itself while you work; a script has to call it"""
 
     bl_idname = "scene.metallic_paint_update_lights"
     bl_label = "Update Lights"

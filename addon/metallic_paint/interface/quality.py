@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 class SCENE_OT_metallic_paint_quality(bpy.types.Operator):
-    """Set what decides how exactly Cycles draws sparkles, and tell what it was. The paints stay"""
+    """Set samples, noise threshold and clamping of this scene for sparkles of this quality, and \
+tell what they were. The paints stay as they are"""
 
     bl_idname = "scene.metallic_paint_quality"
     bl_label = "Set Quality"

@@ -24,8 +24,8 @@ _running: list[Job] = []  # at most one: what the panel shows while the operator
 
 
 class SCENE_OT_metallic_paint_verify(bpy.types.Operator):
-    """Render the region where the active object sparkles most in another process, and check each \
-pixel against the core. The pictures become images of this file"""
+    """Render the region where the active object sparkles most, in the background, and compare \
+each pixel with the core, the reference in C++. The pictures become images of this file"""
 
     bl_idname = "scene.metallic_paint_verify"
     bl_label = "Verify Against Core"

@@ -44,6 +44,7 @@ NEW_IN_EVERY_FRAME = "New in Every Frame"
 ANCHOR = PARAMETERS["anchor"]
 
 NO_OSL = "This Blender was built without Open Shading Language, which the paint is written in."
+_MIXED = "it is of another version than the add-on, which has to be installed anew"
 _PREVIEW = "a preview with a hint of sparkles"
 NO_CYCLES = "Enable the add-on Cycles Render Engine first"
 LINKED = "The {} is linked from another file and cannot be changed"
@@ -60,8 +61,8 @@ _SOLID = "metallic_paint_solid"  # of a material: the look that it was given for
 
 _PANEL_DESCRIPTIONS = {
     FLAKES: "The metal flakes: how many, how large, how they lie, what they reflect",
-    SECOND: "A second species of flakes beside the first; none while their number is 0",
-    THIRD: "A third species of flakes",
+    SECOND: "Other flakes among the first, as pearls among metal; none while Flakes per mm² 2 is 0",
+    THIRD: "Further flakes among both; none while Flakes per mm² 3 is 0",
     BINDER: "The clear or coloured lacquer that holds the flakes, and its surface",
     SUBSTRATE: "What lies under the flakes",
     SPARKLE: "How the sparkles are drawn",
@@ -85,15 +86,16 @@ class _Extra:
 GEOMETRY = {"Normal": NORMAL, "CoatNormal": COAT_NORMAL, "RestPosition": REST_POSITION}
 _GEOMETRY_DESCRIPTIONS = {
     NORMAL: "Normal of the surface, for bump or normal maps",
-    COAT_NORMAL: "Normal of the binder's surface where it is not that of the flakes",
-    REST_POSITION: "Place in the object's own space before anything deforms it, where the flakes "
-    "lie: for a mesh that deforms, the attribute rest_position",
+    COAT_NORMAL: "Normal of the lacquer's surface, for waves or dents that leave the flakes as "
+    "they are",
+    REST_POSITION: "For a mesh that deforms: where each point lies before it does, so that the "
+    "sparkles move with the mesh. Add Rest Position connects the attribute rest_position here",
 }
 
 _EXTRAS = {
     "Frame": _Extra(
         "Frame", SPARKLE, INT_MIN, INT_MAX, 0,
-        "Another number, another draw of the same flakes",
+        "Another number draws the flakes of the same paint anew, as another frame does",
     ),
 }  # fmt: skip
 _CURRENT_FRAME = "CurrentFrame"  # the shader's name of what is added to Frame
@@ -246,9 +248,15 @@ def paint_nodes(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.ShaderNod
 
 
 def paint_node(material: bpy.types.Material) -> bpy.types.ShaderNodeGroup:
-    """The material's first paint node; one at the top level comes before those within groups."""
+    """The material's first paint node; one at the top level comes before those within groups.
+
+    Raises PaintError where it has none.
+    """
     if (node := next(paint_nodes(material.node_tree), None)) is None:
-        raise ValueError(f"The material {material.name!r} has no {NAME} node.")
+        raise PaintError(
+            f"The material {material.name!r} has no {NAME} node: add one (Add > {NAME} in the "
+            "shader editor), or take a material that has one."
+        )
     return node
 
 
@@ -322,7 +330,10 @@ def assign(thing: bpy.types.Object, material: bpy.types.Material) -> None:
     """Paints the whole object: the material takes the place of all that it had."""
     materials = getattr(thing.data, "materials", None)
     if materials is None:
-        raise ValueError(f"The object {thing.name!r} ({thing.type}) cannot hold a material.")
+        raise PaintError(
+            f"The object {thing.name!r} ({thing.type}) cannot hold a material: paint one that has "
+            "a surface, such as a mesh."
+        )
     materials.clear()
     materials.append(material)
 
@@ -483,9 +494,13 @@ def _check_parameters(script: bpy.types.ShaderNodeScript) -> None:
     expected |= {preview.RENDERED, OUTPUT}
     found = {socket.identifier for socket in (*script.inputs, *script.outputs)}
     if missing := sorted(expected - found):
-        raise RuntimeError(f"{shader.FILE} lacks the parameters {', '.join(missing)}.")
+        raise shader.CompileError(
+            f"{shader.FILE} lacks the parameters {', '.join(missing)}: {_MIXED}."
+        )
     if unknown := sorted(found - expected):
-        raise RuntimeError(f"{shader.FILE} has unknown parameters {', '.join(unknown)}.")
+        raise shader.CompileError(
+            f"{shader.FILE} has unknown parameters {', '.join(unknown)}: {_MIXED}."
+        )
 
 
 def _build(group: bpy.types.ShaderNodeTree, script: bpy.types.ShaderNodeScript) -> None:
@@ -566,8 +581,8 @@ def _add_new_in_every_frame(
     """
     socket = group.interface.new_socket(
         NEW_IN_EVERY_FRAME, in_out="INPUT", socket_type="NodeSocketBool", parent=panel,
-        description="Every frame draws the flakes anew, like film grain; Blender compiles nothing "
-        "for it",
+        description="Draw the flakes anew in every frame, so that they flicker like film grain. "
+        "Blender compiles nothing for it",
     )  # fmt: skip
     socket.default_value = False
     carried = group.nodes.new("ShaderNodeAttribute")
@@ -601,7 +616,8 @@ def _add_model_scale(
 ) -> None:
     socket = group.interface.new_socket(
         MODEL_SCALE, in_out="INPUT", socket_type="NodeSocketFloat", parent=panel,
-        description="Metres of the real object per metre of the scene: 1 for a life-size model",
+        description="Metres of the real object per metre of the scene: 1 for a life-size model, "
+        "10 for one at a tenth of the size",
     )  # fmt: skip
     socket.min_value, socket.max_value, socket.default_value = 1e-3, 1e3, 1
 

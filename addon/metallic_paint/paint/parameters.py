@@ -33,7 +33,7 @@ _Value = float | int | str | Color
 
 
 class PaintError(ValueError):
-    """A paint that cannot be, said in a sentence with field, value and range."""
+    """A paint that cannot be, in a sentence with field, value and range; or none where one must."""
 
 
 def _refusal(name: str, value: str, range_: str) -> PaintError:

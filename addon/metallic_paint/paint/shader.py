@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import sys
@@ -25,15 +24,6 @@ _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*$', re.MULTILI
 # Each header goes in once as it is; in a text of one piece the pragma crashes Blender's oslc.
 _ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*\n", re.MULTILINE)
 _COMPILERS_OWN = ("stdosl.h", "stdcycles.h")
-# Of the bytecode: which line of which file on this machine each operation comes from; which of its
-# arguments it writes, where that is the first alone, as OSL takes it without being told; between
-# which operations a variable lives, which OSL finds again itself. Of these hints are two fifths of
-# the text, which Blender parses before a paint's first picture.
-_HINTS = re.compile(
-    r'^#.*\n|[ \t]*%filename\{"[^"\n]*"\}|[ \t]*%line\{\d+\}|[ \t]*%argrw\{"wr*"\}', re.MULTILINE
-)
-_VARIABLE = re.compile(r"^(?:temp|local|const)\t.*", re.MULTILINE)
-_LIFETIME = re.compile(r"[ \t]*%(?:read|write)\{[-\d,]*\}")
 
 
 class CompileError(RuntimeError):
@@ -78,7 +68,7 @@ def _flatten(path: Path, seen: set[Path], within: tuple[Path, ...]) -> str:
 
 
 def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None:
-    """Compiles the text into the node, bytecode inside, without the hints that OSL does not need.
+    """Compiles the text into the node, bytecode inside.
 
     Blender itself does not tell a failure: the node would render black. Raises CompileError with
     what the compiler said.
@@ -89,9 +79,6 @@ def compile_into(node: bpy.types.ShaderNodeScript, text: bpy.types.Text) -> None
         if not node.bytecode or not node.outputs:
             said = _compilers_words(text.as_string()) or "the compiler said nothing"
             raise CompileError(f"{text.name} does not compile as OSL: {said}")
-    bare = _HINTS.sub("", node.bytecode)
-    node.bytecode = _VARIABLE.sub(lambda line: _LIFETIME.sub("", line[0]), bare)
-    node.bytecode_hash = hashlib.md5(node.bytecode.encode(), usedforsecurity=False).hexdigest()
 
 
 def _compilers_words(source: str) -> str:

@@ -19,6 +19,9 @@ FORMER_DEFAULTS: dict[str, tuple[tuple[int, float | str | Color], ...]] = {
 # Of two colours; 1 but for the rounding of floats.
 MOST_OF_A_SUM = 1.0000001192092896
 
+# Nothing, a sun lamp, a point or spot, an area light, or the sun of a world
+UNUSED, PARALLEL, POSITIONAL, AREA, SKY = range(5)
+
 
 @dataclass(frozen=True)
 class FlakeFields:
@@ -60,65 +63,73 @@ class PaintFields:
 FLAKE_PARAMETERS = {
     "flakes_per_mm2": Parameter(
         "FlakesPerMm2", "Flakes per mm²", "Flakes", 0, 1e9,
-        "Flakes in the whole depth of the layer under one square millimetre of surface",
+        "How many flakes lie under a square millimetre of paint, in the whole depth of its layer. "
+        "More make a denser, more even sheen: car paint has thousands, glitter has tens",
         unit="1/mm2", useful=(0, 100000),
     ),
     "flake_diameter_um": Parameter(
         "FlakeDiameterUm", "Flake Diameter (µm)", "Flakes", 0.001, 100000,
-        "Diameter of the disk that has the mean area of the flakes, in micrometres",
+        "Diameter, in micrometres, of a disc with the mean area of the flakes. Larger flakes "
+        "sparkle more brightly: fine aluminium has 11, coarse has 30, glitter has 100 and more",
         unit="um", useful=(1, 2000),
     ),
     "flake_area_spread": Parameter(
         "FlakeAreaSpread", "Flake Area Spread", "Flakes", 0, 100,
-        "Standard deviation of the flakes' area divided by its mean",
+        "How unequal the flakes are: the standard deviation of their area, divided by its mean. "
+        "With more, a few large flakes stand out among many small ones",
         useful=(0, 2),
     ),
     "orientation": Parameter(
         "Orientation", "Orientation", "Flakes", 0, 2,
-        "How the flakes' tilt is distributed: 0 Gaussian in the tilt angle, 1 Beckmann, 2 GGX",
+        "How the flakes' tilts are distributed: 0 Gaussian, 1 Beckmann, 2 GGX. GGX has the "
+        "longest tail, a narrow flop with a wide veil",
         choices=("gaussian", "beckmann", "ggx"),
     ),
     "tilt": Parameter(
         "Tilt", "Tilt", "Flakes", 1e-6, 100,
-        "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha (at "
-        "most 1) for Beckmann and GGX",
+        "How far the flakes lie out of the surface: radians for 0 Gaussian, roughness (at most 1) "
+        "for 1 Beckmann and 2 GGX. Little tilt gathers the sparkles about the highlight and makes "
+        "a strong flop, much spreads them over the whole object",
         unit="rad (gaussian)", useful=(0.01, 1),
     ),
     "flake_spread": Parameter(
         "FlakeSpread", "Flake Spread", "Flakes", 0, 0.5,
-        "Angular radius by which one flake, being wavy, spreads the light that it reflects",
+        "Angle from the middle to the edge of the beam that one flake, being wavy, mirrors. A "
+        "wider beam makes more sparkles, each of them dimmer",
         unit="rad", subtype="ANGLE", useful=(0, 0.17453292519943295),
     ),
     "flake_color": Parameter(
         "FlakeColor", "Flake Color", "Flakes", 0, 1,
-        "Reflectance of a flake at normal incidence. Only with Coating 0",
+        "Colour that a flake reflects when it is seen face on. Only with Coating 0",
         is_color=True,
     ),
     "flake_edge_color": Parameter(
         "FlakeEdgeColor", "Flake Edge Color", "Flakes", 0, 1,
-        "Reflectance of a flake at grazing incidence. Only with Coating 0",
+        "Colour that a flake reflects at a grazing angle, where one looks flat along it. Only "
+        "with Coating 0",
         is_color=True,
     ),
     "flake_transmission": Parameter(
         "FlakeTransmission", "Flake Transmission", "Flakes", 0, 1,
-        "Transmittance of a flake at every angle: with either reflectance at most 1. Only with "
-        "Coating 0",
+        "Share of the light that a flake lets through, at every angle. What it reflects and lets "
+        "through is at most 1 in all. Only with Coating 0",
         is_color=True,
     ),
     "coating": Parameter(
         "FlakeCoating", "Coating", "Flakes", 0, 14,
-        "0 colors: the three above. Otherwise a measured metal, or a pearl pigment with the "
-        "interference colours of its film, as in a binder of index 1.5: 1 aluminium, 2 silver, 3 "
-        "gold, 4 copper, 5 bronze, 6 brass, 7 chromium, 8 nickel, 9 tio2-on-mica, 10 "
-        "tio2-on-silica, 11 tio2-on-thin-silica, 12 fe2o3-on-mica, 13 fe2o3-on-silica, 14 "
-        "fe2o3-on-aluminium",
+        "What the flakes are made of. 0 colors: the three above. Otherwise a measured metal, or a "
+        "pearl pigment with the interference colours of its film, as in a binder of index 1.5: 1 "
+        "aluminium, 2 silver, 3 gold, 4 copper, 5 bronze, 6 brass, 7 chromium, 8 nickel, 9 "
+        "tio2-on-mica, 10 tio2-on-silica, 11 tio2-on-thin-silica, 12 fe2o3-on-mica, 13 "
+        "fe2o3-on-silica, 14 fe2o3-on-aluminium",
         choices=("colors", "aluminium", "silver", "gold", "copper", "bronze", "brass", "chromium",
                  "nickel", "tio2-on-mica", "tio2-on-silica", "tio2-on-thin-silica", "fe2o3-on-mica",
                  "fe2o3-on-silica", "fe2o3-on-aluminium"),
     ),
     "coating_nm": Parameter(
         "FlakeCoatingNm", "Coating (nm)", "Flakes", 0, 200,
-        "Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres",
+        "Thickness of a pearl pigment's film of titanium dioxide or iron oxide, in nanometres. It "
+        "decides the pearl's colour; metals ignore it",
         unit="nm",
     ),
 }
@@ -127,109 +138,120 @@ FLAKE_PARAMETERS = {
 PAINT_PARAMETERS = {
     "binder_ior": Parameter(
         "BinderIor", "IOR", "Binder", 0.1, 10,
-        "Refractive index of the binder relative to what surrounds the paint",
+        "Refractive index of the binder, the lacquer that holds the flakes, relative to what "
+        "surrounds the paint. A higher one has a stronger highlight; lacquers have about 1.5",
         useful=(1, 2.5),
     ),
     "layer_thickness_um": Parameter(
         "LayerThicknessUm", "Layer Thickness (µm)", "Binder", 0, 1e6,
-        "Thickness of the layer that holds the flakes, in micrometres",
+        "Thickness of the layer that holds the flakes, in micrometres. In a thicker one, "
+        "Absorption and Rayleigh weigh more",
         unit="um", useful=(0, 1000),
     ),
     "binder_absorption_per_mm": Parameter(
         "BinderAbsorptionPerMm", "Absorption (1/mm)", "Binder", 0, 1e6,
-        "How much of red, green and blue the binder absorbs per millimetre of path",
+        "How much red, green and blue the binder absorbs per millimetre of path. This tints the "
+        "lacquer: for a red one, absorb green and blue",
         unit="1/mm", useful=(0, 200),
     ),
     "rayleigh_per_mm": Parameter(
         "RayleighPerMm", "Rayleigh (1/mm)", "Binder", 0, 1e6,
-        "Weight of the scattering by pigment particles, per millimetre",
+        "How much light fine white pigment in the binder scatters, per millimetre. More is a "
+        "milky veil, which lifts the dark flank of the paint",
         unit="1/mm", useful=(0, 20),
     ),
     "diffraction": Parameter(
         "Diffraction", "Diffraction", "Sparkle", 0, 1,
-        "0 none. 1 disc: a flake spreads light as a disc of its diameter diffracts it, besides "
-        "its own Flake Spread",
+        "What spreads the light of a flake besides Flake Spread: 0 none, 1 disc, the diffraction "
+        "at its edge. Sparkles of flakes under 20 micrometres grow wider and dimmer by it",
         choices=("none", "disc"),
     ),
     "depth_model": Parameter(
         "DepthModel", "Depth Model", "Sparkle", 0, 2,
-        "0 attenuated: every sparkle is dimmed by its own depth. 1 thinned: deep flakes are left "
-        "out instead, with the same mean. 2 correlated: what hides a flake from the observer "
-        "often hides it from the light as well, so dense layers are brighter, as real ones are",
+        "How flakes are hidden by those above them. 0 attenuated: the deeper a flake lies, the "
+        "dimmer its sparkle. 1 thinned: deep flakes are left out instead, and the paint stays as "
+        "bright on average. 2 correlated: most flakes that the camera sees are lit as well, so "
+        "dense paints are brighter, as real ones are",
         choices=("attenuated", "thinned", "correlated"),
     ),
     "radiometry": Parameter(
         "Radiometry", "Radiometry", "Sparkle", 0, 1,
-        "0 exact: energy is conserved. 1 published: the formulas of the paper to the letter",
+        "0 exact: the paint sends back as much light as it should. 1 published: the formulas of "
+        "the paper that this paint comes from, to the letter, which differ in brightness",
         choices=("exact", "published"),
     ),
     "composition": Parameter(
         "Composition", "Composition", "Sparkle", 0, 1,
-        "0 exact: sparkles add to the rest of the light. 1 published: of each light in the slots "
-        "a pixel takes the brighter of both",
+        "0 exact: sparkles add to the rest of the light. 1 published: a pixel shows the brighter "
+        "of both, for each light in the slots",
         choices=("exact", "published"),
     ),
     "anchor": Parameter(
         "Anchor", "Anchor", "Sparkle", 0, 1,
-        "What the sparkles belong to. 0 pixel: every pixel draws its own, as in the paper; they "
-        "stay where they are in the picture. 1 surface: they ride on the paint",
+        "What the sparkles belong to. 0 pixel: each pixel of the picture has its own, as in the "
+        "paper, and they stay there when the object moves. 1 surface: they lie on the paint and "
+        "move with it",
         choices=("pixel", "surface"),
     ),
     "cells_per_pixel": Parameter(
         "CellsPerPixel", "Cells per Pixel", "Sparkle", 1, 64,
-        "With Anchor surface: so many cells of the paint, each with sparkles of its own, lie in a "
-        "pixel. More show them sharper and want more samples",
+        "Into how many cells of the paint, each with sparkles of its own, a pixel is divided. "
+        "More show sharper sparkles and need more samples: 5 has two thirds of their contrast, 20 "
+        "has nine tenths and needs four times the samples. Only with Anchor 1 surface",
     ),
     "instances": Parameter(
         "Instances", "Instances", "Sparkle", 0, 1,
-        "With Anchor surface. 0 same: copies of an object have the same flakes. 1 own: each has "
-        "flakes of its own, by the Random of Object Info",
+        "0 same: copies of an object sparkle alike. 1 own: every object and instance has flakes "
+        "of its own, by its Random of Object Info. Only with Anchor 1 surface",
         choices=("same", "own"),
     ),
     "sparkle_contrast": Parameter(
         "SparkleContrast", "Sparkle Contrast", "Lights", 0, 1,
-        "How much the sparkles of the lights in the slots stand out: 1 as flakes do, 0 not at "
-        "all, only their mean is left. With Composition exact, the paint stays as bright",
+        "How much the sparkles of the lights in the slots stand out: 1 as those of real flakes, 0 "
+        "not at all, which leaves an even sheen. With Composition 0 exact, the paint stays as "
+        "bright on average",
         subtype="FACTOR",
     ),
     "seed": Parameter(
         "Seed", "Seed", "Sparkle", -2147483648, 2147483647,
-        "Another number, another set of flakes",
+        "Another number gives the paint another set of flakes",
     ),
     "substrate_color": Parameter(
         "SubstrateColor", "Substrate Color", "Substrate", 0, 1,
-        "Diffuse reflectance of what lies under the flakes",
+        "Colour of the matt ground under the flakes. It shows where they leave gaps",
         is_color=True,
     ),
     "texture_contrast": Parameter(
         "TextureContrast", "Texture Contrast", "Substrate", 0, 1,
-        "Relative deviation, from place to place, of the light that is scattered several times or "
-        "by the substrate, seen over 1 mm²; finer pixels see more, the finest even more than they "
-        "receive",
+        "Grain in the soft light between the sparkles, which the substrate and the layer scatter. "
+        "At 0.1 this light varies by 10 % from one square millimetre to the next; seen from "
+        "nearer by, the grain is stronger",
         subtype="FACTOR", useful=(0, 0.5),
     ),
     "coat_roughness": Parameter(
         "CoatRoughness", "Coat Roughness", "Binder", 0, 1,
-        "Roughness of the surface of the binder. It blurs the highlight, and the flakes seen "
-        "through it: sparkles become more and dimmer",
+        "Roughness of the binder's surface. A rougher one blurs the highlight and what the flakes "
+        "mirror: sparkles become more and dimmer, and melt under a matt coat",
         subtype="FACTOR",
     ),
     "orange_peel": Parameter(
         "OrangePeel", "Orange Peel", "Binder", 0, 1,
-        "Slope (root mean square) of the waves that spraying leaves in the binder's surface. Good "
-        "car paint has some 0.1°",
+        "Slope (root mean square) of the waves that spraying leaves in the binder's surface. "
+        "Steeper waves bend the highlight more, and ripple the flop. Good car paint has 0.1°, "
+        "hammer finish has 7°",
         unit="rad", subtype="ANGLE", useful=(0, 0.17453292519943295),
     ),
     "orange_peel_mm": Parameter(
         "OrangePeelMm", "Orange Peel Size (mm)", "Binder", 0.001, 1e6,
-        "Wavelength of those waves, in millimetres",
+        "Wavelength of the waves of Orange Peel, in millimetres",
         unit="mm", useful=(0.1, 100),
     ),
 }
 
 TILT_AS_ROUGHNESS = Parameter(
     "Tilt", "Tilt", "Flakes", 1e-6, 1,
-    "How far the flakes lie out of the surface: radians for a Gaussian, roughness alpha (at "
-    "most 1) for Beckmann and GGX",
+    "How far the flakes lie out of the surface: radians for 0 Gaussian, roughness (at most 1) "
+    "for 1 Beckmann and 2 GGX. Little tilt gathers the sparkles about the highlight and makes "
+    "a strong flop, much spreads them over the whole object",
     unit="(roughness of beckmann and ggx)", useful=(0.01, 1),
 )
