@@ -25,7 +25,7 @@
 // rad above the horizon, tilts of 0.05 to 0.5 and eta of 1.3 to 2.2, the mean errs by
 //   quarter cone's radius, in tilts         up to 1/16    1/4     1      2
 //   beta up to 3 tilts, root mean square       0.3 %      1 %    6 %   12 %
-//   the same, worst of 100,000 scenes            2 %      9 %   52 %   49 %
+//   the same, worst of 22,000 scenes or more     2 %     10 %   49 %   83 %
 //   beta up to 6 tilts, worst as a share of the mean
 //   in the mirror direction                      2 %      8 %   20 %   35 %
 // (tests/core/sparkles_test.cpp). The worst is found where few flakes are; a cap as wide as the

@@ -171,7 +171,8 @@ double flakes_on_both_ways(const ExplicitScene& scene, const ViewAndLight& beams
   for (const double cosine : {beams.view_in.z, beams.least_cosine}) {
     const double farthest = 1e3 * (thickness + widest);  // as shadow() follows it
     const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-    const double sideways = std::min(thickness * sine / std::max(cosine, 1e-9), farthest);
+    const double sideways =
+        std::min((thickness + 2 * widest) * sine / std::max(cosine, 1e-9), farthest);
     area += 4 * widest * (sideways + 4 * widest);
   }
   return flakes_per_m2(scene.paint) * area;

@@ -31,8 +31,8 @@ enum class Shadowing {
 };
 
 // With discs, `points` points of a sparkling flake are joined to the surface, towards observer and
-// light, and each disc in between dims them. Parts of flakes that stick out of the layer's top are
-// seen freely and hide nothing.
+// light, and each disc in between dims them. The lacquer covers all flakes, whose centres alone the
+// layer holds (as in disc_layer.h): what of them sticks out of its top hides as the rest does.
 struct ExplicitScene {
   Paint paint;               // depth_model, radiometry, seed and frame do not matter
   Vec3<double> view, light;  // unit, away from the paint (normal +z); below it nothing sparkles

@@ -19,12 +19,12 @@ struct DiscPoint {
   Rgb<double> visible;
 };
 
-// Dims each point of a flake by the discs between it and the surface along `direction`. A way is
-// followed sideways for a thousand layers at most.
+// Dims each point of a flake by the discs above it along `direction`. A way is followed to the
+// highest that any disc can reach, and sideways for a thousand layers at most.
 void shadow(const FlakePlane& plane, Cell home, std::uint64_t own_index, const Flake& own,
             double radius, Vec3<double> direction, std::vector<DiscPoint>& points,
             const std::stop_token& stop) {
-  const double deepest = -own.position.z + radius;
+  const double deepest = -own.position.z + radius + plane.widest_radius;
   const double limit = 1e3 * (plane.thickness + plane.widest_radius);
   const double sideways = std::sqrt(square(direction.x) + square(direction.y));
   double full = deepest / direction.z;
@@ -47,8 +47,7 @@ void shadow(const FlakePlane& plane, Cell home, std::uint64_t own_index, const F
                       for (DiscPoint& point : points) {
                         const Vec3<double> to_centre = other.position - point.position;
                         const double distance = dot(other.normal, to_centre) / slope;
-                        if (!(distance > 0 && point.position.z + distance * direction.z < 0))
-                          continue;
+                        if (!(distance > 0)) continue;
                         const Vec3<double> miss = to_centre - direction * distance;
                         if (dot(miss, miss) <= radius2)
                           point.visible = point.visible * transmission;

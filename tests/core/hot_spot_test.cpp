@@ -99,7 +99,7 @@ TEST(HotSpot, SmallFlakesHideIndependently) {
 
 // Discs that hide one another, of the paints and angles for which hot_spot.h is made: what they
 // leave of a sparkle, over what the model does. Opaque or not, one species or two, of equal flakes
-// or spread. The model's own approximations have 3 % of the mean and 6 % of the mean square;
+// or spread. The model's own approximations have 3 % of the mean and 7 % of the mean square;
 // chance the rest.
 void expect_like_traced_discs(Random& random, int scenes) {
   Worst worst, worst_square;
@@ -109,9 +109,9 @@ void expect_like_traced_discs(Random& random, int scenes) {
     TestScene s;
     Paint& paint = s.paint;
     const double coverage = random.log_uniform(0.02, 3);
-    const double width = random.log_uniform(0.05, 1);  // D/H
+    const double width = random.log_uniform(0.05, 2);  // D/H
     paint.tilt = random.log_uniform(0.03, 0.4);
-    if (width * std::sin(paint.tilt) > 0.5) continue;
+    double sticking_out = coverage * width * paint.tilt;
     paint.binder_ior = random.uniform(1.3, 1.8);
     paint.layer_thickness_um = 30;
     paint.flake_diameter_um = width * 30;
@@ -125,12 +125,14 @@ void expect_like_traced_discs(Random& random, int scenes) {
     if (random.below(3) == 0) {
       FlakeSpecies& more = paint.more[0];
       more = paint;
-      more.flake_diameter_um = 30 * random.log_uniform(0.05, 1);
-      more.flakes_per_mm2 = coverage * random.uniform(0, 1) * 4e6 /
-                            (std::numbers::pi * more.flake_diameter_um * more.flake_diameter_um);
+      more.flake_diameter_um = 30 * random.log_uniform(0.05, 2);
+      const double covered = coverage * random.uniform(0, 1);
+      more.flakes_per_mm2 =
+          covered * 4e6 / (std::numbers::pi * more.flake_diameter_um * more.flake_diameter_um);
       more.tilt = random.log_uniform(0.03, 0.4);
-      if (more.flake_diameter_um / 30 * std::sin(more.tilt) > 0.5) continue;
+      sticking_out += covered * more.flake_diameter_um / 30 * more.tilt;
     }
+    if (sticking_out > 0.3) continue;
     aim(s, random, 2, false);
     // Light wide enough to make flakes sparkle, narrow enough for one pair of ways.
     s.light_sine = 0.05;
@@ -178,7 +180,43 @@ void expect_like_traced_discs(Random& random, int scenes) {
   }
   testing::Test::RecordProperty("scenes that the reference refused", refused);
   worst.expect_at_most(0.03, "mean");
-  worst_square.expect_at_most(0.06, "mean square");
+  worst_square.expect_at_most(0.07, "mean square");
+}
+
+// Where many wide tilted flakes stick out of the layer that holds their centres, the model is too
+// bright, as hot_spot.h states: here 1.7 % along the normal, 13 % at 75 degrees.
+TEST(HotSpot, WideTiltedFlakesErrAsStated) {
+  const struct {
+    double degrees, least, most;
+  } cases[] = {{0, 0, 0.03}, {75, 0.1, 0.15}};
+  for (const auto& [degrees, least, most] : cases) {
+    TestScene s;
+    Paint& paint = s.paint;
+    paint.depth_model = DepthModel::correlated;
+    paint.tilt = 0.4;
+    paint.binder_ior = 1.33;
+    paint.layer_thickness_um = paint.flake_diameter_um = 30;
+    paint.flake_spread = paint.flake_area_spread = 0;
+    paint.flakes_per_mm2 = 3 * 4e6 / (std::numbers::pi * 30 * 30);  // coverage 3
+    const double angle = degrees * std::numbers::pi / 180;
+    s.normal = {0, 0, 1};
+    s.view = {std::sin(angle), 0, std::cos(angle)};
+    s.light = {-s.view.x, 0, s.view.z};
+    s.light_sine = 0.03;
+    s.footprint = 1;
+    ExplicitScene scene;
+    scene.paint = paint;
+    scene.view = s.view;
+    scene.light = s.light;
+    scene.light_radius = std::asin(s.light_sine);
+    scene.pixels = 64;
+    scene.footprint = 16'000 / s.expect<double>().mean_count / 64;
+    scene.seed = 1;  // the standard error is 1 %
+    const ExplicitResult traced = trace_explicit_flakes(scene);
+    const double off = mean_transmittance(s.expect<double>().slant.y) / traced.mean_share.y - 1;
+    EXPECT_GE(off, least) << degrees;
+    EXPECT_LE(off, most) << degrees;
+  }
 }
 
 TEST(HotSpot, LeavesWhatTracedDiscsLeave) {

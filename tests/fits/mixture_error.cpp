@@ -10,11 +10,13 @@
 // The seeds are FIRST, FIRST + 1 and so on; without FIRST they are the system's, and printed.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
@@ -189,21 +191,31 @@ Found read(const std::string& file) {
   return found;
 }
 
+// Of few seeds a row may stand for no value at all, or its deviation for a single one.
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
 // A row of the table.
 void tell(const std::string& what, double value) {
-  std::printf("| %s | %.5g |\n", what.c_str(), value);
+  if (std::isnan(value)) {
+    std::printf("| %s | of too few |\n", what.c_str());
+  } else {
+    std::printf("| %s | %.5g |\n", what.c_str(), value);
+  }
 }
 
 double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return kNone;
   std::sort(values.begin(), values.end());
   return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
 double mean(const std::vector<double>& values) {
+  if (values.empty()) return kNone;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 double deviation(const std::vector<double>& values) {
+  if (values.size() < 2) return kNone;
   double square = 0;
   for (double x : values) square += (x - mean(values)) * (x - mean(values));
   return std::sqrt(square / static_cast<double>(values.size() - 1));

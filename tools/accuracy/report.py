@@ -382,7 +382,7 @@ def report(results: Results) -> Iterator[str]:
         "Flakes are discs that hide one another; s is what the layer leaves of a sparkle. One "
         "thing is varied at a time about coverage 0.5, 20° in the plane of the mirror direction, "
         "tilt 0.15 and flakes of 20 µm in 30 µm of paint; three sparkles a pixel, under a light of "
-        "0.1 rad that makes them many. What sticks out of the layer is seen freely."
+        "0.1 rad that makes them many. The lacquer covers what sticks out of the layer."
     )
     yield ""
     yield "![Mean and fluctuation of the share, distance of the law](depth.png)"
