@@ -18,7 +18,7 @@
 //
 // The lacquer covers all flakes: the layer holds their centres, and what of a flake sticks out of
 // its top hides as the rest does. P does not know of that part. So x' has the mean of discs traced
-// one by one within 3 %, and h below the mean square within 7 %, for binders of index 1.3 to 1.8
+// one by one within 3 %, and h below the mean square within 6 %, for binders of index 1.3 to 1.8
 // and any angle where what sticks out is small: the sum over the species of coverage x D/H x tilt
 // up to 0.3, with coverages up to 3, D/H up to 2 and tilts up to 0.4. At 1.2 (coverage 3, D = H,
 // tilt 0.4) the model is too bright: along the normal by 2 %, at 45 degrees by 10 % (index 1.33),

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from common import kept
+from common import environments, kept
 
 FINDINGS = {"first": 1.5, "second": [1, 2], "third": "three"}
 
@@ -50,3 +50,36 @@ def test_a_head_that_was_cut_short_keeps_nothing() -> None:
     head, _, _ = file.read_text().partition("\n")
     file.write_text(head[:-1])
     assert kept.keep("command", seed=1) == {}
+
+
+def test_a_room_of_the_tests_is_not_run_again_for_another_rooms_tests(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places = (
+        "core/a.h",
+        "addon/a.py",
+        "tests/conftest.py",
+        "tests/core/a.cpp",
+        "tests/blender/a.py",
+    )
+    for place in places:
+        (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / place).touch()
+    monkeypatch.setattr(kept, "ROOT", tmp_path)
+    monkeypatch.setattr(environments, "ROOT", tmp_path)
+    rooms = ("", "form", "core", "blender")
+    changed_by = {}
+    for place in places:
+        before = [kept.digest_of_sources.__wrapped__(room) for room in rooms]
+        (tmp_path / place).write_text(place)
+        after = [kept.digest_of_sources.__wrapped__(room) for room in rooms]
+        changed_by[place] = [
+            room for room, a, b in zip(rooms, before, after, strict=True) if a != b
+        ]
+    assert changed_by == {
+        "core/a.h": ["", "form", "core", "blender"],
+        "addon/a.py": ["", "form", "blender"],
+        "tests/conftest.py": ["", "form", "blender"],
+        "tests/core/a.cpp": ["", "form", "core"],
+        "tests/blender/a.py": ["", "form", "blender"],
+    }

@@ -67,7 +67,8 @@ def chosen_sessions(nox: list[str | Path], text: str, everything: bool) -> list[
 
 def kept_of(session: str, *, again: bool = False) -> Kept:
     """What has passed of the session, with the seconds that it took, by these draws."""
-    return keep(f"tests, {session}", again=again, seed=os.environ[SEED])
+    room = session.partition("(")[0]
+    return keep(f"tests, {session}", again=again, room=room, seed=os.environ[SEED])
 
 
 def seed_of_all(again: bool) -> str:

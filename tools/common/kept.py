@@ -18,11 +18,18 @@ from common.environments import digest_of
 from common.processes import BUILD, ROOT
 
 NOT_SOURCES = {"build", "out", ".git"}
+_OF_CORE = ("CMakeLists.txt", "core", "osl", "tests/core")
+_ROOMS = {"blender", "core", "extension", "fuzz", "python", "website"}  # form looks at all
 
 
 @cache
-def digest_of_sources() -> str:
-    return digest_of(path for path in ROOT.iterdir() if path.name not in NOT_SOURCES)
+def digest_of_sources(room: str = "") -> str:
+    """Of all; of a room of the tests, of what it can see: no tests of other rooms."""
+    if room == "core":
+        return digest_of(ROOT / path for path in _OF_CORE)
+    unseen = {ROOT / "tests" / other for other in _ROOMS - {room}} if room in _ROOMS else set()
+    top = (path for path in ROOT.iterdir() if path.name not in {*NOT_SOURCES, "tests"})
+    return digest_of([*top, *{*(ROOT / "tests").iterdir()} - unseen])
 
 
 class Kept(dict):
@@ -46,10 +53,12 @@ def _whole(lines: Iterable[str]) -> Iterator[tuple[str, object]]:
             yield json.loads(line)
 
 
-def keep(name: str, *, again: bool = False, **conditions: object) -> Kept:
-    """The command's findings; those of other sources or other conditions are dropped."""
+def keep(name: str, *, again: bool = False, room: str = "", **conditions: object) -> Kept:
+    """The command's findings, of a room of the tests if one is named; those of other sources or
+    other conditions are dropped.
+    """
     file = BUILD / "kept" / f"{name}.jsonl"
-    head = json.dumps({"sources": digest_of_sources(), **conditions})
+    head = json.dumps({"sources": digest_of_sources(room), **conditions})
     if again or not file.is_file() or file.read_text(encoding="utf-8").split("\n")[0] != head:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(head, encoding="utf-8")
