@@ -63,8 +63,9 @@
 // M, with silica within 19 %, the median within 4 %. Pearls on silica err most because their r_p,
 // which is taken at one angle for each kind of light, turns over with the angle. Fresh lossless
 // paints may pass the largest above: of 4000 others of each kind it was 0.0045, 0.0086 and 0.0127,
-// correlated 0.0058, 0.0082 and 0.0088 (mixture_test.cpp). Lossless paints are within 0.01 of 1 for
-// indices from 1.05 to 1.33, within 0.05 for 0.6 to 1.
+// correlated 0.0058, 0.0082 and 0.0088 (mixture_test.cpp). Dense pearls of a thick film err most:
+// 145 nm of titania on mica by 0.015 at coverage 4.4, 0.029 at 8.9. Lossless paints are within 0.01
+// of 1 for indices from 1.05 to 1.33, within 0.05 for 0.6 to 1.
 //
 // The error in L* is the root mean square over 13 directions, under three slants of light, over
 // black. Its mean is 0.71; with the diffuse lobe for all of M it would be 1.7, and 7.8 in 95 %.
