@@ -158,13 +158,14 @@ def test_sparkles_pass_by_the_denoiser_and_noise_does_not(sun: str) -> None:
     print(f"sparkles survive {share}, noise {noises}")
     assert share[1] >= 0.95
     assert share[1] > share[0]
-    assert noises[1] <= 1.1 * noises[0]
+    # Beside a lamp more the world has fewer rays: 1.16 times the noise before denoising. What two
+    # denoised pictures tell of it scatters, from 1.04 to 1.26 in four runs.
+    most = 1.1 if sun == "lamp" else 1.4
+    assert noises[1] <= most * noises[0]
     floor = x**2 + y**2 > (SIZE / 2.2) ** 2
     noises = [noise(*(each[floor] for each in pair)) for pair in (simply, kept)]
     print(f"noise of the floor {noises}")
-    # Beside a lamp more the world has fewer rays: 1.16 times the noise before denoising. What two
-    # denoised pictures tell of it scatters, from 1.04 to 1.26 in four runs.
-    assert noises[1] <= (1.1 if sun == "lamp" else 1.4) * noises[0]
+    assert noises[1] <= most * noises[0]
     # Nothing of these samples is made or lost.
     assert kept[0][ball].mean() == pytest.approx(noisy[ball].mean(), rel=0.01)
 
