@@ -97,6 +97,18 @@ TEST(HotSpot, SmallFlakesHideIndependently) {
   worst.expect_at_most(1e-4);
 }
 
+// So much of the paint, in 64 pixels, with every flake traced.
+ExplicitScene explicit_scene(const TestScene& s, double area_m2) {
+  ExplicitScene scene;
+  scene.paint = s.paint;
+  scene.view = s.view;
+  scene.light = s.light;
+  scene.light_radius = std::asin(s.light_sine);
+  scene.pixels = 64;
+  scene.footprint = area_m2 / 64;
+  return scene;
+}
+
 // Discs that hide one another, of the paints and angles for which hot_spot.h is made: what they
 // leave of a sparkle, over what the model does. Opaque or not, one species or two, of equal flakes
 // or spread. The model's own approximations have 3 % of the mean and 6 % of the mean square;
@@ -139,13 +151,7 @@ void expect_like_traced_discs(Random& random, int scenes) {
     s.footprint = 1;
     const double per_m2 = s.expect<double>().mean_count;
     paint.depth_model = DepthModel::correlated;
-    ExplicitScene scene;
-    scene.paint = paint;
-    scene.view = s.view;
-    scene.light = s.light;
-    scene.light_radius = std::asin(s.light_sine);
-    scene.pixels = 64;
-    scene.footprint = 4'000 / per_m2 / 64;
+    ExplicitScene scene = explicit_scene(s, 4'000 / per_m2);
     scene.points = 16;
     scene.seed = random.bits();
     // Where next to no flake sparkles, the reference would take a day and refuses.
@@ -204,13 +210,7 @@ TEST(HotSpot, WideTiltedFlakesErrAsStated) {
     s.light = {-s.view.x, 0, s.view.z};
     s.light_sine = 0.03;
     s.footprint = 1;
-    ExplicitScene scene;
-    scene.paint = paint;
-    scene.view = s.view;
-    scene.light = s.light;
-    scene.light_radius = std::asin(s.light_sine);
-    scene.pixels = 64;
-    scene.footprint = 16'000 / s.expect<double>().mean_count / 64;
+    ExplicitScene scene = explicit_scene(s, 16'000 / s.expect<double>().mean_count);
     scene.seed = 1;  // the standard error is 1 %
     const ExplicitResult traced = trace_explicit_flakes(scene);
     const double off = mean_transmittance(s.expect<double>().slant.y) / traced.mean_share.y - 1;

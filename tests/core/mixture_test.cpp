@@ -84,13 +84,15 @@ double most_of_mean(double mean, double deviation, int values) {
 }
 
 // What r_s + E + M of lossless paints is off 1. The stated errors, without and with correlation,
-// are the largest of 4000 others each, which few fresh paints may pass. None errs more than dense
-// pearls of a thick film are known to (ADensePearlOfAThickFilmErrsAsStated).
-constexpr double kMostOff = 0.03;
-
+// are the largest of 4000 others each; no fresh paint may err half again as much, or more than
+// `most` where a kind is known to.
 class Furnace {
  public:
-  Furnace(double apart, double shared) : apart_(apart), shared_(shared) {}
+  Furnace(double apart, double shared, double most = 0)
+      : most_apart_(std::max(1.5 * apart, most)),
+        most_shared_(std::max(1.5 * shared, most)),
+        apart_(apart),
+        shared_(shared) {}
   void see(Random& random, const Paint& paint) {
     const SeenPaint seen = over_white(random, paint);
     see(apart_, seen);
@@ -98,9 +100,9 @@ class Furnace {
   }
   void expect(const std::string& name) const {
     apart_.expect(4000, 1, name);
-    apart_.expect_at_most(kMostOff, name);
+    apart_.expect_at_most(most_apart_, name);
     shared_.expect(4000, 1, name + ", correlated");
-    shared_.expect_at_most(kMostOff, name + ", correlated");
+    shared_.expect_at_most(most_shared_, name + ", correlated");
   }
 
  private:
@@ -109,6 +111,7 @@ class Furnace {
     scene.paint = seen.paint;
     furnace.see(furnace_error(seen), "cos view", seen.cos_view, scene);
   }
+  double most_apart_, most_shared_;
   Passing apart_, shared_;
 };
 
@@ -122,7 +125,8 @@ TEST(Mixture, ALosslessPaintReflectsEverything) {
 // Titania on mica, and on silica, whose r_p turns over with the angle.
 TEST(Mixture, ALosslessPearlReflectsEverything) {
   Random random = fresh(88);
-  Furnace mica(0.0086, 0.0082), silica(0.0127, 0.0088);
+  // ADensePearlOfAThickFilmErrsAsStated.
+  Furnace mica(0.0086, 0.0082, 0.03), silica(0.0127, 0.0088);
   for (int i = 0; i < 100 / kFewer; ++i) {
     mica.see(random, lossless_pearl(random, true));
     silica.see(random, lossless_pearl(random, false));
