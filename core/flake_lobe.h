@@ -37,9 +37,8 @@ T inside_unit(T x) {
 // is off by 2.2 % at most, 0.5 % in 95 % (48 paints under round lamps of 0.1 to 0.5 rad;
 // tests/fits/lobe_spread.cpp). Twice that deviation has a quarter less noise, twice the error.
 inline constexpr double kWideShare = 0.15;
-// Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view. Beside a smooth part
-// (smooth_part.h), which shows most of the light, twice that moves a lamp's light by 2.0 % at most,
-// by 0.8 % in 95 % of 48, and has a sixth less noise under softboxes.
+// Most of sqrt(t): in rad, and for the horizon's sake in cosines of the view, or of the light that
+// is mirrored most (`rise`) where a smooth part (smooth_part.h) shows the more of it.
 inline constexpr double kWidestDeviation = 0.2;
 inline constexpr double kToHorizon = 0.1, kToHorizonBeside = 0.2;
 // Otherwise it is widened to a cone of this half-angle, in units of eta tilt (the tilt turns the
@@ -59,14 +58,6 @@ struct MirroredSample {
   int species{};
 };
 
-// The deviate of `sample_tilt` by which the share of flakes that is tilted more is u^2 in place of
-// u: hence a weight of 2 u.
-template <class T>
-T steeper(const OrientationDensity<T>& density, T u) {
-  const T more = u * u;
-  return inside_unit(density.kind == Orientation::beckmann ? more : 1 - more);
-}
-
 // A flake's species is drawn by covered area, its normal m from p. The mirror law takes m to the
 // light's direction in the binder, dw_m = dw/(4 |v . m|), and refraction takes that outside. So the
 // direction outside has the density
@@ -81,12 +72,12 @@ T steeper(const OrientationDensity<T>& density, T u) {
 // the tilt: under the sun a spread of 0.1 rad at a tilt of 0.15 changes the mean by 3 %.
 // Of a species that is seen close up the flake is the one that the sample sees (`firsts`, one for
 // each species), or none; drawn with the probability of its species' share of the covered area.
-// Beside a smooth part, which leaves little of the others, `steep` flakes are drawn more often. u
+// `rise` is the cosine of the light that is mirrored most, where a smooth part shows it; else 0. u
 // and w are uniform deviates in (0, 1). Blender has the same mean but not the same bits: OSL's own
 // sin and cos place the azimuth.
 template <class T>
 MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view, T u, T w,
-                               const FirstFlake<T>* firsts = nullptr, bool steep = false) {
+                               const FirstFlake<T>* firsts = nullptr, T rise = 0) {
   MirroredSample<T> sample{normal};
   const T eta = layer.eta;
   const T cos_view = min(dot(normal, view), T(1));
@@ -114,8 +105,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
     sample.spread = min(eta * sqrt(flakes.solid_angle / std::numbers::pi_v<T>), T(kWidestLobe));
   } else {
     const T rest = layer.species > 1 ? inside_unit(at / max(flakes.coverage, T(1e-30))) : u;
-    tilt = sample_tilt(flakes.orientation, steep ? steeper(flakes.orientation, rest) : rest);
-    if (steep) tilt.weight = tilt.weight * (2 * rest);
+    tilt = sample_tilt(flakes.orientation, rest);
     sample.spread = min(T(kLobeSpread) * (eta * flakes.orientation.tilt), T(kWidestLobe));
     const T h = tilt.sin2_half_beta;
     const T sin_beta = 2 * sqrt(h * (1 - h)), phi = 2 * std::numbers::pi_v<T> * w;
@@ -160,7 +150,7 @@ MirroredSample<T> sample_flake(const Layer<T>& layer, Vec3<T> normal, Vec3<T> vi
                      (8 * std::numbers::pi_v<T> * cos_alpha * eta * g_light * layer.coverage);
     const T turned = 2 * eta * cos_view_in;
     const T most =
-        min(T(kWidestDeviation), (steep ? T(kToHorizonBeside) : T(kToHorizon)) * cos_view);
+        min(T(kWidestDeviation), rise > 0 ? T(kToHorizonBeside) * rise : T(kToHorizon) * cos_view);
     sample.variance =
         min(T(kWideShare) * turned * turned * core_variance(flakes.orientation), most * most);
     const T slope = orientation_slope(flakes.orientation, tilt.sin2_half_beta);

@@ -7,23 +7,25 @@
 //   f cos(theta') = g + (f cos(theta') - g):
 // microfacets show g, and what a random flake shows is less by g over the density that drew it.
 // Where that is less than nothing, g itself is less by as much, so all light together stays what it
-// was; but for what g shows where hardly any flake is drawn (0.6 % of the paint at tilts above 0.3
-// at most).
+// was. Some of it moves: of four rings about the mirror direction one has more or less by 0.5 % of
+// the paint's light in 97 % of paints (tilts up to 0.15; 1.4 % of tilts above 0.3, 2 % at most).
 //
-// Of the half vector h of view and light the slope to the surface is (v + l)_t/(cos + cos'), and
-// that of the flake which mirrors them (v + l)_t/(g + g'), g = eta cos(theta_p). Near the mirror
-// direction, where cos' = cos, facets of alpha0^2 = 2 var g^2/cos^2 mirror as the flakes do
-// (`core_variance`). (1 - r') cos' falls to the horizon as cos'^2, hence in the plane of view by
-// (x/cos)^2 and 2 x tan(theta), x from the mirror direction: the facets' normal turns from the
-// horizon, and alpha is smaller.
-//
-// Over the other factors of that first guess, and over that in its middle, f falls with the slope
-// more slowly than a Gaussian: for the half vector's slope is not the flake's. It is taken for
-//   (1 - e) exp(-r^2/A) + e exp(-r^2/B),
-// r over the alpha at which it has fallen to 1/e, B = kWider. So there
-// (1 - e) exp(-1/A) + e exp(-1/B) = 1/e, which with f two alphas across the plane of view gives e
-// and A. The wide lobe's own middle is where it shows f two alphas towards the observer; what it
-// leaves of f in the middle and an alpha to each side is the narrow lobe's, a parabola's logarithm.
+// Both lobes come from the Gaussian that f cos(theta') is about its greatest value (Laplace's), in
+// the plane of view. There let c = cos(e) and s = sin(e) be the light's components along the
+// surface, away from the observer, and up, and G = g_v + g, g = eta cos(theta_p) of view and light.
+// The flake that mirrors them has the slope (sin(theta) - c)/G (mirroring_flake), the Gaussian's
+// variance is var (`core_variance`), and (1 - r') cos(theta')/g goes as s^q, q = 2 - 2 s/g, by
+// Fresnel's 4 s g/(s + g)^2. With G and q held,
+//   ln f cos(theta') = -(sin(theta) - c)^2/(2 var G^2) + q ln s
+// is greatest where (sin(theta) - c) s^2 = q var G^2 c, which Newton's steps find: near the horizon
+// far above the mirror direction. The facets' normal is the half vector of that light and the view.
+// By the second derivatives over e, and over a turn across the plane of view, which move the half
+// vector's slope by 1/2 and 1/|v + l|, facets of
+//   1/alpha_x^2 = 2 ((s^2 + (sin(theta) - c) c)/(var G^2) + q/s^2),
+//   1/alpha_y^2 = |v + l|^2/2 ((1 + (sin(theta) - c) c)/(var G^2) + q)
+// fall as f does. f is no Gaussian, above all where the horizon cuts it: so the narrow lobe is
+// narrower and the wide one wider or nearer to the surface's normal. Each is as high as f lets it
+// be at a few lights.
 #pragma once
 
 #include <algorithm>
@@ -52,6 +54,7 @@ struct Facets {
 template <class T>
 struct SmoothPart {
   Facets<T> narrow, wide;
+  T rise{};  // cosine of the light that is mirrored most; 0: there are no lobes
 };
 
 // Smith's Lambda of Beckmann's facets by (alpha tan(theta))^2, in the approximation of Walter
@@ -189,66 +192,33 @@ Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2, T sin_
   return facets;
 }
 
-// The wide lobe's alpha^2 over that of both, the most of its share, and the most that its middle is
-// aside, in alphas of the guess. Wider lobes or greater shares show more of GGX's flakes and pass f
-// towards the horizon. None with an alpha^2 above kMostSquare, where two alphas are half the
-// sphere.
-inline constexpr double kWider = 2, kMostWide = 0.25, kMostAside = 0.4, kMostSquare = 0.5;
-// Where the mirrored light stands at this cosine, opposite to the observer, the wide lobe shall
-// have fallen to kAtHorizon of f in the middle: else it passes f there by up to 5 % of the middle,
-// and no flake takes that back. So its alpha^2 is smaller in the plane of view, by this factor at
-// most.
-inline constexpr double kHorizon = 0.1, kAtHorizon = 0.01, kLeastAlong = 0.8;
-// The factors of the guess are not the narrow lobe's: towards the horizon that shows more than it
-// should beside the middle, and as it may not pass f, less everywhere. From this logarithm on it is
-// fitted once more, at twice that wholly. Not without a wide lobe: then views within 18 degrees of
-// the horizon would have lobes that pass f by 10 % of its light.
-inline constexpr double kMostOff = 0.1;
-// How far g may reach up to f in the middle, an alpha aside, and two. Chosen over random paints for
-// the largest lobes that pass f by less than 1 % of its light in the median
-// (tests/core/smooth_part_test.cpp).
-inline constexpr double kHeight = 0.98, kHeightAside = 1.05, kHeightFar = 1.1;
-// Lower where f is less like facets: of wide tilts, and with GGX's tail. As high, a lobe passes f
-// there by several percent in some directions, and no flake takes that back: single lamps were up
-// to 1.7 % of the flakes' light too bright, so lowered 0.8 %.
+// Over Laplace's Gaussian: the slope of the lobes' normals, and alpha^2, the wide one's by the
+// cosine of the view (along the plane of view without what (sin(theta) - c) c adds). Then how far
+// the wide lobe reaches up to f in the middle and elsewhere, and both in the middle and an alpha
+// aside. Chosen for little noise under softboxes, and for lobes that pass f by less than 1 % of its
+// light in the median (tests/core/smooth_part_test.cpp).
+inline constexpr double kNarrowSlope = 0.95, kNarrowSquare = 0.82, kNarrowSquareGgx = 1;
+inline constexpr double kWideSlope = 0.4, kWideSquareGgx = 5.5;
+inline constexpr double kWideAlong = 2.2, kWideAlongBy = -0.8;
+inline constexpr double kWideAcross = 0.75, kWideAcrossBy = 0.65;
+inline constexpr double kWideMiddle = 0.6, kWideMiddleGgx = 0.4;
+inline constexpr double kWideHeight = 0.85, kWideHeightGgx = 0.7, kHeight = 0.95;
+// Of tilts from here on, and of GGX's tail, the horizon cuts so much of f that lobes pass it
+// somewhere, and no flake takes that back: so they are lower, by this much from kLowerFrom +
+// kLowerRange on.
 inline constexpr double kLower = 0.13, kLowerFrom = 0.15, kLowerRange = 0.1;
-template <class T>
-T lobe_height(const OrientationDensity<T>& density) {
-  T wide = clamp((density.tilt - T(kLowerFrom)) / T(kLowerRange), T(0), T(1));
-  if (density.kind == Orientation::ggx) wide = 1;
-  return 1 - T(kLower) * wide;
-}
-// Nearer to the horizon f has no lobe that facets resemble: the least cosines of the view, and of
-// the mirrored light an alpha aside. Of 2,400 random paints one lobe passed f by 4 % of its light
-// at most, of others by 11 %; with 0.15 by up to 26 %.
-inline constexpr double kLeastSmooth = 0.2, kLeastRise = 0.2;
-
-// e, by f two alphas of the guess across the plane of view, at which r^2 = 4 fall, and by 1/A.
-template <class T>
-T share_of_wide(T far, T fall, T far_wide, T steep) {
-  const T far_narrow = exponential(-4 * fall * steep);
-  return clamp((far - far_narrow) / (far_wide - far_narrow), T(0), T(kMostWide));
-}
-
-// fall: -ln of f an alpha aside. Two steps from A = 1/1.2: e by f, A by e, e by f.
-template <class T>
-T wide_share(T far, T fall) {
-  const T far_wide = exponential(-4 * fall / T(kWider));
-  const T first = share_of_wide(far, fall, far_wide, T(1.2));
-  const T near = T(0.367879441171442322L), near_wide = T(0.606530659712633424L);  // e^-1, e^-1/2
-  return share_of_wide(far, fall, far_wide, -logarithm((near - first * near_wide) / (1 - first)));
-}
+// Lights nearer to the horizon say nothing of the lobe.
+inline constexpr double kLeastRise = 0.02;
+inline constexpr int kPeakSteps = 6;
 
 template <class T>
 SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> view) {
   const T cos_view = min(dot(normal, view), T(1));
-  if (!(cos_view > T(kLeastSmooth)) || !(flakes.coverage > 0)) return {};
+  if (!(cos_view > T(kLeastCosine)) || !(flakes.coverage > 0)) return {};
   const T g_view = eta_cos_refracted(cos_view, layer.eta);
   if (!(g_view > 0)) return {};
   const FlakesSeen<T> seen = flakes_seen(layer, flakes, normal, view, cos_view, g_view);
-
-  // The first guess.
   const T sin_view = length(seen.tangent);
   Vec3<T> towards = seen.tangent;
   if (!(sin_view > T(1e-6))) {  // any direction does
@@ -256,135 +226,79 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   }
   towards = towards - normal * dot(normal, towards);  // the tangent's rounding too
   towards = towards / length(towards);
-  const T turned = g_view / cos_view;
-  const T square = 2 * core_variance(flakes.orientation) * turned * turned;
-  const T guessed_x2 = square / (1 + T(1.44) * square / (cos_view * cos_view));
-  const T guessed_y2 = square / (1 + T(2.73) * square);
-  const T slope = T(1.07) * guessed_x2 * sin_view / cos_view;
-  const auto facets_of = [&](T by_slope, T x2, T y2) {
-    return facets_at(normal, towards, by_slope, x2, y2, sin_view, cos_view);
-  };
-  const Facets<T> guess = facets_of(slope, guessed_x2, guessed_y2);
 
-  // f in the middle, an alpha to each side and two to some; and over the guess's factors and over
-  // itself in the middle.
+  // The peak, from the normal on.
+  const T variance = core_variance(flakes.orientation);
+  T away = 0, rise = 1, back = sin_view, q = 0, square = 1;
+  for (int i = 0; i <= kPeakSteps; ++i) {
+    const T g = eta_cos_refracted(rise, layer.eta);
+    q = max(2 - 2 * rise / max(g, T(1e-6)), T(0));
+    square = variance * ((g_view + g) * (g_view + g));
+    if (i == kPeakSteps) break;
+    const T pull = q * square;
+    away = clamp(away + (back * rise * rise - pull * away) / (rise * rise + 2 * away * back + pull),
+                 T(0), sin_view);
+    rise = sqrt((1 - away) * (1 + away));
+    back = sin_view - away;
+  }
+  const T up = cos_view + rise, slope = back / up;
+  const T by_pull = back * away / square, by_rise = q / (rise * rise);
+  const T along = rise * rise / square + by_rise;
+  const T x2 = T(0.5) / (along + by_pull);
+  const T y2 = 2 / ((up * up + back * back) * (1 / square + by_pull + q));
+  const bool tail = flakes.orientation.kind == Orientation::ggx;
+  const T tilted =
+      clamp((flakes.orientation.tilt - T(kLowerFrom)) / T(kLowerRange), T(tail ? 1 : 0), T(1));
+  const T highest = 1 - T(kLower) * tilted;
+  const auto facets_of = [&](T by_slope, T along2, T across2) {
+    return facets_at(normal, towards, by_slope * slope, along2, across2, sin_view, cos_view);
+  };
+  const Facets<T> guess = facets_of(T(1), x2, y2);
+  SmoothPart<T> part;
+  part.rise = rise;
+  const T narrower = T(tail ? kNarrowSquareGgx : kNarrowSquare);
+  part.narrow = facets_of(T(kNarrowSlope), narrower * x2, narrower * y2);
+  T wide_along = T(kWideSquareGgx), wide_across = T(kWideSquareGgx);
+  if (!tail) {
+    wide_along = T(kWideAlong) + T(kWideAlongBy) * cos_view;
+    wide_across = T(kWideAcross) + T(kWideAcrossBy) * cos_view;
+  }
+  part.wide = facets_of(T(kWideSlope), wide_along * (T(0.5) / along), wide_across * y2);
+
+  // f in the middle, an alpha aside, and further off.
+  constexpr int kNear = 3, kPoints = 6;
   MiddleOfLobe<T> middle{};
-  Vec3<T> light[6];
-  Rgb<T> shown[6];
-  T ratio[6];
-  T per_middle = 1;
-  bool is_far_seen = true;
-  for (int i = 0; i < 6; ++i) {
-    // Of the half vector in the guess's frame.
-    const T x = i == 1   ? guess.alpha_x
-                : i == 2 ? -guess.alpha_x
-                : i == 4 ? 2 * guess.alpha_x
-                         : T(0);
-    const T y = i == 3 ? guess.alpha_y : i == 5 ? 2 * guess.alpha_y : T(0);
+  Rgb<T> shown[kNear], most = grey(T(1e30));
+  T narrow_shows[kNear] = {}, wide_shows[kNear] = {};
+  for (int i = 0; i < kPoints; ++i) {
+    const T x = guess.alpha_x * (i == 2 ? 1 : i == 4 ? 2 : i == 5 ? T(-1.5) : T(0));
+    const T y = guess.alpha_y * (i == 1 ? 1 : i == 3 ? 2 : T(0));
     const Vec3<T> half = guess.normal + guess.along * x + guess.across * y;
-    const T steepness = 1 + x * x + y * y;  // 1 over the square of its cosine to the guess's normal
-    const T twice = 2 * (guess.view_up + x * guess.view_along) / steepness;
-    light[i] = half * twice - view;
-    const T cos_light = min(dot(normal, light[i]), T(1));
-    ratio[i] = 1;
+    const Vec3<T> light =
+        half * (2 * (guess.view_up + x * guess.view_along) / (1 + x * x + y * y)) - view;
+    const T cos_light = min(dot(normal, light), T(1));
     if (!(cos_light > T(kLeastRise))) {
-      if (i < 4) return {};
-      is_far_seen = false;
+      if (i == 0) return {};
       continue;
     }
-    if (i == 0) middle = middle_of_lobe(layer, seen, light[i], cos_light);
-    shown[i] = flakes_show(layer, flakes, seen, middle, light[i], cos_light);
-    const T masked =
-        guess.view_masked + masking_lambda(masking_square(guess, x * twice - guess.view_along,
-                                                          y * twice, twice - guess.view_up));
-    const T whole = (shown[i].x + shown[i].y + shown[i].z) * masked / (steepness * steepness);
-    if (i == 0) {
-      if (!(whole > T(1e-30))) return {};
-      per_middle = 1 / whole;
-    } else {
-      ratio[i] = clamp(whole * per_middle, T(1e-6), T(1e6));
+    if (i == 0) middle = middle_of_lobe(layer, seen, light, cos_light);
+    const Rgb<T> f = flakes_show(layer, flakes, seen, middle, light, cos_light);
+    const T wide = facets_show(part.wide, light);
+    T height = T(tail ? kWideHeightGgx : kWideHeight);
+    if (i == 0) height = T(tail ? kWideMiddleGgx : kWideMiddle);
+    height = height * highest;
+    if (wide > 0) most = least(most, f * (height / wide));
+    if (i < kNear) {
+      shown[i] = f;
+      narrow_shows[i] = facets_show(part.narrow, light);
+      wide_shows[i] = wide;
     }
   }
-
-  // The wide lobe.
-  const T fall_x = clamp(T(-0.5) * logarithm(ratio[1] * ratio[2]), T(0.34), T(4));
-  const T fall_y = clamp(-logarithm(ratio[3]), T(0.34), T(4));
-  T wide_x2 = T(kWider) * (guess.alpha_x * guess.alpha_x) / fall_x;
-  const T wide_y2 = T(kWider) * (guess.alpha_y * guess.alpha_y) / fall_y;
-  T share = 0, aside = 0;
-  if (is_far_seen && max(wide_x2, wide_y2) < T(kMostSquare)) {
-    share = wide_share(ratio[5], fall_y);
-    if (share > 0) {
-      // That half vector's slope to the normal, away from the observer, and to the guess's.
-      const T level = T(0.994987437106619954735L);  // sqrt(1 - kHorizon^2)
-      const T from_normal = (level - sin_view) / (cos_view + T(kHorizon));
-      const T horizon = (from_normal + slope) / (1 - from_normal * slope);
-      const T fall = max(logarithm(share / T(kAtHorizon)), T(0.1));
-      wide_x2 = max(min(wide_x2, horizon * horizon / fall), T(kLeastAlong) * wide_x2);
-      const T lower = max(logarithm(share / ratio[4]), T(0));
-      aside = clamp(2 * guess.alpha_x - sqrt(wide_x2 * lower), T(-kMostAside) * guess.alpha_x,
-                    T(kMostAside) * guess.alpha_x);
-    }
-  }
-
-  // The narrow lobe, of what that leaves.
-  T left[4];
-  for (int i = 0; i < 4; ++i) {
-    T by_wide = 0;
-    if (share > 0) {
-      const T x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : T(0)) - aside;
-      const T y = i == 3 ? guess.alpha_y : T(0);
-      by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
-    }
-    left[i] = max(clamp(ratio[i], T(2e-3), T(400)) - by_wide, T(1e-3));
-  }
-  T near = -logarithm(left[1] / left[0]), away = -logarithm(left[2] / left[0]);
-  T side = -logarithm(left[3] / left[0]);
-  SmoothPart<T> part;
-  if (share > 0) part.wide = facets_of(slope + aside, wide_x2, wide_y2);
-  T narrow_shows[6], wide_shows[6];
-  const int points = share > 0 ? 6 : 4;
-  for (int i = 0; i < points; ++i) {
-    wide_shows[i] = share > 0 ? facets_show(part.wide, light[i]) : T(0);
-  }
-  for (int fit = 0; fit < 2; ++fit) {
-    const T both = near + away;
-    const T turn = clamp((away - near) / (2 * max(both, T(0.4))), T(-0.7), T(0.7));
-    part.narrow = facets_of(max(slope + guess.alpha_x * turn, T(0)),
-                            guess.alpha_x * guess.alpha_x / clamp(both / 2, T(0.34), T(6)),
-                            guess.alpha_y * guess.alpha_y / clamp(side, T(0.34), T(6)));
-    for (int i = 0; i < points; ++i) narrow_shows[i] = facets_show(part.narrow, light[i]);
-    if (!(share > 0)) break;
-    T off[4];
-    for (int i = 0; i < 4; ++i) {
-      const T wanted = (shown[i].x + shown[i].y + shown[i].z) * left[i] / ratio[i];
-      off[i] = logarithm(max(narrow_shows[i], T(1e-30)) / max(wanted, T(1e-30)));
-    }
-    const T more = clamp((off[2] - off[0]) / T(kMostOff) - 1, T(0), T(1));
-    if (!(more > 0)) break;
-    near = near + more * (off[1] - off[0]);
-    away = away + more * (off[2] - off[0]);
-    side = side + more * (off[3] - off[0]);
-  }
-
-  // As high as f lets them be: first the wide lobe beside its share of the narrow one.
-  const T highest = lobe_height(flakes.orientation);
-  if (share > 0 && narrow_shows[0] > 0 && wide_shows[0] > 0) {
-    const T unit_narrow = left[0] / narrow_shows[0], unit_wide = (1 - left[0]) / wide_shows[0];
-    Rgb<T> most = grey(T(1e30));
-    for (int i = 0; i < 6; ++i) {
-      if (i > 0 && i < 4) continue;
-      const T height = highest * (i == 0 ? T(kHeight) : T(kHeightFar)) * unit_wide /
-                       (unit_narrow * narrow_shows[i] + unit_wide * wide_shows[i]);
-      most = least(most, shown[i] * height);
-    }
-    part.wide.weight = most;
-  }
-  Rgb<T> most = grey(T(1e30));
-  for (int i = 0; i < 4; ++i) {
-    if (!(narrow_shows[i] > 0 && max_component(shown[i]) > 0)) continue;
-    const T height = highest * (i == 0 ? T(kHeight) : T(kHeightAside));
-    const Rgb<T> rest = shown[i] * height - part.wide.weight * wide_shows[i];
+  if (most.x < T(1e30)) part.wide.weight = most;
+  most = grey(T(1e30));
+  for (int i = 0; i < kNear; ++i) {
+    if (!(narrow_shows[i] > 0)) continue;
+    const Rgb<T> rest = shown[i] * (T(kHeight) * highest) - part.wide.weight * wide_shows[i];
     most = least(most, map(rest, [&](T x) { return max(x, T(0)) / narrow_shows[i]; }));
   }
   if (most.x < T(1e30)) part.narrow.weight = most;
@@ -525,7 +439,8 @@ Facets<T> lean_lobe(const Facets<T>& facets, Vec3<T> view, Vec3<T> light, T fall
 
 template <class T>
 SmoothPart<T> lean_away(const SmoothPart<T>& part, Vec3<T> view, Vec3<T> light, T fall) {
-  return {lean_lobe(part.narrow, view, light, fall), lean_lobe(part.wide, view, light, fall)};
+  return {lean_lobe(part.narrow, view, light, fall), lean_lobe(part.wide, view, light, fall),
+          part.rise};
 }
 
 }  // namespace metallic_paint

@@ -36,16 +36,8 @@ float inside_unit(float x)
   return clamp(x, 1e-7, 1.0 - 1e-7);
 }
 
-float steeper(OrientationDensity density, float u)
-{
-  float more = u * u;
-  if (density.kind != ORIENTATION_BECKMANN)
-    more = 1.0 - more;
-  return inside_unit(more);
-}
-
 MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
-                            FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth, int steep)
+                            FirstFlake firsts[SPECIES], float uniform_tilt, float uniform_azimuth, float rise)
 {
   MirroredSample mirrored;
   mirrored.direction = surface.n;
@@ -103,8 +95,8 @@ MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
     mirrored.spread = min(eta * sqrt(some.solid_angle / M_PI), WIDEST_LOBE);
   }
   else {
-    SampledTilt tilt = sample_tilt(some.orientation, steep ? steeper(some.orientation, rest) : rest);
-    tilt_weight = steep ? tilt.weight * (2.0 * rest) : tilt.weight;
+    SampledTilt tilt = sample_tilt(some.orientation, rest);
+    tilt_weight = tilt.weight;
     mirrored.spread = min(LOBE_SPREAD * (eta * some.orientation.tilt), WIDEST_LOBE);
     h = tilt.sin2_half_beta;
     float sin_beta = 2.0 * sqrt(h * (1.0 - h));
@@ -151,7 +143,7 @@ MirroredSample sample_flake(Layer layer, float library[], SurfacePoint surface,
     float p = orientation_density(some.orientation, h) / tilt_weight;
     mirrored.density = p * cos_light * some.coverage / (8.0 * M_PI * cos_alpha * eta * g_light * layer.coverage);
     float turned = 2.0 * eta * cos_view_in;
-    float most = min(WIDEST_DEVIATION, (steep ? TO_HORIZON_BESIDE : TO_HORIZON) * cos_view);
+    float most = min(WIDEST_DEVIATION, rise > 0.0 ? TO_HORIZON_BESIDE * rise : TO_HORIZON * cos_view);
     mirrored.variance = min(WIDE_SHARE * turned * turned * core_variance(some.orientation), most * most);
     float slope = orientation_slope(some.orientation, h);
     vector pull = (n - m * (1.0 - 2.0 * h)) * (slope / (2.0 * facing));

@@ -10,23 +10,27 @@
 #include "outline.h"
 #include "passage.h"
 
-#define WIDER 2.0
-#define MOST_WIDE 0.25
-#define MOST_ASIDE 0.4
-#define HORIZON 0.1
-#define LEVEL 0.99498744
-#define AT_HORIZON 0.01
-#define LEAST_ALONG 0.8
-#define MOST_OFF 0.1
-#define MOST_SQUARE 0.5
-#define HEIGHT 0.98
-#define HEIGHT_ASIDE 1.05
-#define HEIGHT_FAR 1.1
+#define NARROW_SLOPE 0.95
+#define NARROW_SQUARE 0.82
+#define NARROW_SQUARE_GGX 1.0
+#define WIDE_SLOPE 0.4
+#define WIDE_SQUARE_GGX 5.5
+#define WIDE_ALONG 2.2
+#define WIDE_ALONG_BY (-0.8)
+#define WIDE_ACROSS 0.75
+#define WIDE_ACROSS_BY 0.65
+#define WIDE_MIDDLE 0.6
+#define WIDE_MIDDLE_GGX 0.4
+#define WIDE_HEIGHT 0.85
+#define WIDE_HEIGHT_GGX 0.7
+#define HEIGHT 0.95
 #define LOWER 0.13
 #define LOWER_FROM 0.15
 #define LOWER_RANGE 0.1
-#define LEAST_SMOOTH 0.2
-#define LEAST_RISE 0.2
+#define LEAST_RISE 0.02
+#define PEAK_STEPS 6
+#define NEAR_LIGHTS 3
+#define LOBE_LIGHTS 6
 #define SHOWN_TWICE 2e-3
 #define LEAST_FALL 0.3
 #define MOST_FALL 10.0
@@ -49,6 +53,7 @@ struct Facets {
 struct SmoothPart {
   Facets narrow;
   Facets wide;
+  float rise;
 };
 
 float masking_lambda(float square)
@@ -192,28 +197,8 @@ SmoothPart no_part(vector n)
   SmoothPart none;
   none.narrow = facets_at(n, vector(0.0), 0.0, 0.0, 0.0, 0.0, 1.0);
   none.wide = none.narrow;
+  none.rise = 0.0;
   return none;
-}
-
-float lobe_height(OrientationDensity density)
-{
-  float wide = clamp((density.tilt - LOWER_FROM) / LOWER_RANGE, 0.0, 1.0);
-  if (density.kind == ORIENTATION_GGX)
-    wide = 1.0;
-  return 1.0 - LOWER * wide;
-}
-
-float share_of_wide(float far, float fall, float far_wide, float steep)
-{
-  float far_narrow = exponential(-4.0 * fall * steep);
-  return clamp((far - far_narrow) / (far_wide - far_narrow), 0.0, MOST_WIDE);
-}
-
-float wide_share(float far, float fall)
-{
-  float far_wide = exponential(-4.0 * fall / WIDER);
-  float first = share_of_wide(far, fall, far_wide, 1.2);
-  return share_of_wide(far, fall, far_wide, -logarithm((0.36787944 - first * 0.60653066) / (1.0 - first)));
 }
 
 SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint surface)
@@ -222,13 +207,12 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   vector view = surface.view;
   SmoothPart none = no_part(n);
   float cos_view = min(inner_product(n, view), 1.0);
-  if (!(cos_view > LEAST_SMOOTH) || !(some.coverage > 0.0))
+  if (!(cos_view > LEAST_COSINE) || !(some.coverage > 0.0))
     return none;
   float g_view = eta_cos_refracted(cos_view, layer.eta);
   if (!(g_view > 0.0))
     return none;
   FlakesSeen seen = flakes_seen(layer, some, surface, cos_view, g_view);
-
   float sin_view = sqrt(inner_product(seen.tangent, seen.tangent));
   vector towards = seen.tangent;
   if (!(sin_view > 1e-6)) {
@@ -238,145 +222,88 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   }
   towards = towards - n * inner_product(n, towards);
   towards = towards / sqrt(inner_product(towards, towards));
-  float turned = g_view / cos_view;
-  float square = 2.0 * core_variance(some.orientation) * turned * turned;
-  float guessed_x2 = square / (1.0 + 1.44 * square / (cos_view * cos_view));
-  float guessed_y2 = square / (1.0 + 2.73 * square);
-  float slope = 1.07 * guessed_x2 * sin_view / cos_view;
-  Facets guess = facets_at(n, towards, slope, guessed_x2, guessed_y2, sin_view, cos_view);
+
+  float variance = core_variance(some.orientation);
+  float away = 0.0;
+  float rise = 1.0;
+  float back = sin_view;
+  float q = 0.0;
+  float square = 1.0;
+  for (int i = 0; i <= PEAK_STEPS; ++i) {
+    float g = eta_cos_refracted(rise, layer.eta);
+    q = max(2.0 - 2.0 * rise / max(g, 1e-6), 0.0);
+    square = variance * ((g_view + g) * (g_view + g));
+    if (i == PEAK_STEPS)
+      break;
+    float pull = q * square;
+    away = clamp(away + (back * rise * rise - pull * away) / (rise * rise + 2.0 * away * back + pull), 0.0, sin_view);
+    rise = sqrt((1.0 - away) * (1.0 + away));
+    back = sin_view - away;
+  }
+  float up = cos_view + rise;
+  float slope = back / up;
+  float by_pull = back * away / square;
+  float by_rise = q / (rise * rise);
+  float along = rise * rise / square + by_rise;
+  float x2 = 0.5 / (along + by_pull);
+  float y2 = 2.0 / ((up * up + back * back) * (1.0 / square + by_pull + q));
+  int tail = some.orientation.kind == ORIENTATION_GGX;
+  float tilted = clamp((some.orientation.tilt - LOWER_FROM) / LOWER_RANGE, tail ? 1.0 : 0.0, 1.0);
+  float highest = 1.0 - LOWER * tilted;
+  Facets guess = facets_at(n, towards, slope, x2, y2, sin_view, cos_view);
+  SmoothPart part = none;
+  part.rise = rise;
+  float narrower = tail ? NARROW_SQUARE_GGX : NARROW_SQUARE;
+  part.narrow = facets_at(n, towards, NARROW_SLOPE * slope, narrower * x2, narrower * y2, sin_view, cos_view);
+  float wide_along = WIDE_SQUARE_GGX;
+  float wide_across = WIDE_SQUARE_GGX;
+  if (!tail) {
+    wide_along = WIDE_ALONG + WIDE_ALONG_BY * cos_view;
+    wide_across = WIDE_ACROSS + WIDE_ACROSS_BY * cos_view;
+  }
+  part.wide = facets_at(n, towards, WIDE_SLOPE * slope, wide_along * (0.5 / along),
+                        wide_across * y2, sin_view, cos_view);
 
   MiddleOfLobe middle;
-  vector light[6];
-  color shown[6];
-  float ratio[6];
-  float per_middle = 1.0;
-  int is_far_seen = 1;
-  for (int i = 0; i < 6; ++i) {
-    float x = 0.0;
-    float y = 0.0;
-    if (i == 1)
-      x = guess.alpha_x;
-    if (i == 2)
-      x = -guess.alpha_x;
-    if (i == 3)
-      y = guess.alpha_y;
-    if (i == 4)
-      x = 2.0 * guess.alpha_x;
-    if (i == 5)
-      y = 2.0 * guess.alpha_y;
+  color shown[NEAR_LIGHTS];
+  float narrow_shows[NEAR_LIGHTS];
+  float wide_shows[NEAR_LIGHTS];
+  color most = color(1e30);
+  for (int i = 0; i < LOBE_LIGHTS; ++i) {
+    float x = guess.alpha_x * (i == 2 ? 1.0 : i == 4 ? 2.0 : i == 5 ? -1.5 : 0.0);
+    float y = guess.alpha_y * (i == 1 ? 1.0 : i == 3 ? 2.0 : 0.0);
     vector half = guess.facing + guess.along * x + guess.across * y;
-    float steepness = 1.0 + x * x + y * y;
-    float twice = 2.0 * (guess.view_up + x * guess.view_along) / steepness;
-    light[i] = half * twice - view;
-    float cos_light = min(inner_product(n, light[i]), 1.0);
-    ratio[i] = 1.0;
-    shown[i] = color(0.0);
+    vector light = half * (2.0 * (guess.view_up + x * guess.view_along) / (1.0 + x * x + y * y)) - view;
+    float cos_light = min(inner_product(n, light), 1.0);
+    if (i < NEAR_LIGHTS)
+      narrow_shows[i] = 0.0;
     if (!(cos_light > LEAST_RISE)) {
-      if (i < 4)
+      if (i == 0)
         return none;
-      is_far_seen = 0;
       continue;
     }
     if (i == 0)
-      middle = middle_of_lobe(layer, library, seen, light[i], cos_light);
-    shown[i] = flakes_show(layer, some, library, seen, middle, light[i], cos_light);
-    float masked = guess.view_masked + masking_lambda(masking_square(guess, x * twice - guess.view_along, y * twice,
-                                                                     twice - guess.view_up));
-    float whole = (shown[i][0] + shown[i][1] + shown[i][2]) * masked / (steepness * steepness);
-    if (i == 0) {
-      if (!(whole > 1e-30))
-        return none;
-      per_middle = 1.0 / whole;
-    }
-    else
-      ratio[i] = clamp(whole * per_middle, 1e-6, 1e6);
-  }
-
-  float fall_x = clamp(-0.5 * logarithm(ratio[1] * ratio[2]), 0.34, 4.0);
-  float fall_y = clamp(-logarithm(ratio[3]), 0.34, 4.0);
-  float wide_x2 = WIDER * (guess.alpha_x * guess.alpha_x) / fall_x;
-  float wide_y2 = WIDER * (guess.alpha_y * guess.alpha_y) / fall_y;
-  float share = 0.0;
-  float aside = 0.0;
-  if (is_far_seen && max(wide_x2, wide_y2) < MOST_SQUARE) {
-    share = wide_share(ratio[5], fall_y);
-    if (share > 0.0) {
-      float from_normal = (LEVEL - sin_view) / (cos_view + HORIZON);
-      float horizon = (from_normal + slope) / (1.0 - from_normal * slope);
-      float fall = max(logarithm(share / AT_HORIZON), 0.1);
-      wide_x2 = max(min(wide_x2, horizon * horizon / fall), LEAST_ALONG * wide_x2);
-      float lower = max(logarithm(share / ratio[4]), 0.0);
-      aside = clamp(2.0 * guess.alpha_x - sqrt(wide_x2 * lower), -MOST_ASIDE * guess.alpha_x,
-                    MOST_ASIDE * guess.alpha_x);
+      middle = middle_of_lobe(layer, library, seen, light, cos_light);
+    color f = flakes_show(layer, some, library, seen, middle, light, cos_light);
+    float wide = facets_show(part.wide, light);
+    float height = tail ? WIDE_HEIGHT_GGX : WIDE_HEIGHT;
+    if (i == 0)
+      height = tail ? WIDE_MIDDLE_GGX : WIDE_MIDDLE;
+    height = height * highest;
+    if (wide > 0.0)
+      most = min(most, f * (height / wide));
+    if (i < NEAR_LIGHTS) {
+      shown[i] = f;
+      narrow_shows[i] = facets_show(part.narrow, light);
+      wide_shows[i] = wide;
     }
   }
-
-  float left[4];
-  for (int i = 0; i < 4; ++i) {
-    float by_wide = 0.0;
-    if (share > 0.0) {
-      float x = (i == 1 ? guess.alpha_x : i == 2 ? -guess.alpha_x : 0.0) - aside;
-      float y = i == 3 ? guess.alpha_y : 0.0;
-      by_wide = share * exponential(-(x * x / wide_x2 + y * y / wide_y2));
-    }
-    left[i] = max(clamp(ratio[i], 2e-3, 400.0) - by_wide, 1e-3);
-  }
-  float near = -logarithm(left[1] / left[0]);
-  float away = -logarithm(left[2] / left[0]);
-  float side = -logarithm(left[3] / left[0]);
-  SmoothPart part = none;
-  if (share > 0.0)
-    part.wide = facets_at(n, towards, slope + aside, wide_x2, wide_y2, sin_view, cos_view);
-  float narrow_shows[6];
-  float wide_shows[6];
-  int points = share > 0.0 ? 6 : 4;
-  for (int i = 0; i < points; ++i) {
-    wide_shows[i] = 0.0;
-    if (share > 0.0)
-      wide_shows[i] = facets_show(part.wide, light[i]);
-  }
-  for (int fit = 0; fit < 2; ++fit) {
-    float both = near + away;
-    float turn = clamp((away - near) / (2.0 * max(both, 0.4)), -0.7, 0.7);
-    part.narrow = facets_at(n, towards, max(slope + guess.alpha_x * turn, 0.0),
-                            guess.alpha_x * guess.alpha_x / clamp(both / 2.0, 0.34, 6.0),
-                            guess.alpha_y * guess.alpha_y / clamp(side, 0.34, 6.0), sin_view, cos_view);
-    for (int i = 0; i < points; ++i)
-      narrow_shows[i] = facets_show(part.narrow, light[i]);
-    if (!(share > 0.0))
-      break;
-    float off[4];
-    for (int i = 0; i < 4; ++i) {
-      float wanted = (shown[i][0] + shown[i][1] + shown[i][2]) * left[i] / ratio[i];
-      off[i] = logarithm(max(narrow_shows[i], 1e-30) / max(wanted, 1e-30));
-    }
-    float more = clamp((off[2] - off[0]) / MOST_OFF - 1.0, 0.0, 1.0);
-    if (!(more > 0.0))
-      break;
-    near = near + more * (off[1] - off[0]);
-    away = away + more * (off[2] - off[0]);
-    side = side + more * (off[3] - off[0]);
-  }
-
-  float highest = lobe_height(some.orientation);
-  if (share > 0.0 && narrow_shows[0] > 0.0 && wide_shows[0] > 0.0) {
-    float unit_narrow = left[0] / narrow_shows[0];
-    float unit_wide = (1.0 - left[0]) / wide_shows[0];
-    color most = color(1e30);
-    for (int i = 0; i < 6; ++i) {
-      if (i > 0 && i < 4)
-        continue;
-      float height = highest * (i == 0 ? HEIGHT : HEIGHT_FAR) * unit_wide /
-                     (unit_narrow * narrow_shows[i] + unit_wide * wide_shows[i]);
-      most = min(most, shown[i] * height);
-    }
+  if (most[0] < 1e30)
     part.wide.weight = most;
-  }
-  color most = color(1e30);
-  for (int i = 0; i < 4; ++i) {
-    if (narrow_shows[i] > 0.0 && max(max(shown[i][0], shown[i][1]), shown[i][2]) > 0.0) {
-      float height = highest * (i == 0 ? HEIGHT : HEIGHT_ASIDE);
-      color rest = shown[i] * height - part.wide.weight * wide_shows[i];
+  most = color(1e30);
+  for (int i = 0; i < NEAR_LIGHTS; ++i) {
+    if (narrow_shows[i] > 0.0) {
+      color rest = shown[i] * (HEIGHT * highest) - part.wide.weight * wide_shows[i];
       most = min(most, max(rest, color(0.0)) / narrow_shows[i]);
     }
   }
@@ -492,7 +419,7 @@ Facets lean_lobe(Facets facets, vector view, vector light, float fall)
 
 SmoothPart lean_away(SmoothPart part, vector view, vector light, float fall)
 {
-  SmoothPart away;
+  SmoothPart away = part;
   away.narrow = lean_lobe(part.narrow, view, light, fall);
   away.wide = lean_lobe(part.wide, view, light, fall);
   return away;

@@ -143,8 +143,9 @@ TEST(FlakeLobe, WideConesShowWhatASmoothPartLeavesWhereItIs) {
     ++k;
     std::array<double, 4> whole{}, own{}, square{}, wide{};
     for (int i = 0; i < kSamples; ++i) {
-      auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
-                                 random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
+      auto sample =
+          sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
+                       random.uniform(), static_cast<FirstFlake<double>*>(nullptr), part.rise);
       const std::size_t at = ring_of(scene, sample.direction);
       whole[at] += sample.weight.y / kSamples;
       leave_beside(sample, part, scene.normal, scene.view);

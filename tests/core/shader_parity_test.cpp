@@ -507,11 +507,11 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
   const HashWords words =
       draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
   const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
-  const bool steep = point.pixel_x % 2 != 0;
+  const float rise = point.pixel_x % 2 != 0 ? 0.6F : 0;
   const auto shader_sample = osl::sample_flake(shader_layer, library, surface, shader_firsts,
-                                               osl::inside_unit(u), w, steep);
+                                               osl::inside_unit(u), w, rise);
   const MirroredSample<float> sample =
-      sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data(), steep);
+      sample_flake(layer, point.normal, view_below(point), inside_unit(u), w, firsts.data(), rise);
   same("sample's weight", shader_sample.weight, sample.weight);
   same("sample's spread", shader_sample.spread, sample.spread);
   if (max_component(sample.weight) > 0) {

@@ -42,7 +42,7 @@ TestScene smooth_scene(Random& random, Orientation orientation) {
     scene.paint = random_paint(random);
     scene.paint.orientation = orientation;
     aim(scene, random, 2);
-  } while (!(dot(scene.normal, scene.view) > kLeastSmooth));
+  } while (!(dot(scene.normal, scene.view) > 0.02));
   return scene;
 }
 
@@ -259,8 +259,9 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
     });
     Given given;
     for (int i = 0; i < kSamples; ++i) {
-      auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
-                                 random.uniform(), static_cast<FirstFlake<double>*>(nullptr), true);
+      auto sample =
+          sample_flake(layer, scene.normal, scene.view, inside_unit(random.uniform()),
+                       random.uniform(), static_cast<FirstFlake<double>*>(nullptr), part.rise);
       given.add(leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside));
       if (i % kFlakesBeside == kFlakesBeside - 1) {
         const auto with = give_to_lobes(part, given.more, given.less);
@@ -278,8 +279,9 @@ void expect_brdf(std::uint64_t stream, bool leaning) {
     for (std::size_t ring = 0; ring < 4; ++ring) {
       if (square[ring] * 100 > sum[ring] * sum[ring] * kSamples) continue;
       // The rule's error, and what the lobe may show too much.
+      const double beyond = scene.paint.tilt > 0.3 ? 0.02 : 0.006;
       const double error = std::sqrt((square[ring] - sum[ring] * sum[ring]) / kSamples) +
-                           (4e-3 * exact[ring] + 0.006 * all) / threshold;
+                           (4e-3 * exact[ring] + beyond * all) / threshold;
       worst.see(std::fabs(lobe[ring] + sum[ring] - exact[ring]) / error, "ring", ring, "found",
                 lobe[ring] + sum[ring], "exact", exact[ring], scene);
     }
@@ -301,9 +303,9 @@ double off_under_lamp(const TestScene& scene, double radius) {
     const double w = std::fmod((i + 0.5) * 0.5698402909980532, 1);
     for (int k = 0; k < kFlakesBeside; ++k) {
       const double on = static_cast<double>(k) / kFlakesBeside;
-      auto sample =
-          sample_flake(layer, scene.normal, scene.view, inside_unit(std::fmod(u + on, 1)),
-                       std::fmod(w + 2 * on, 1), static_cast<FirstFlake<double>*>(nullptr), true);
+      auto sample = sample_flake(layer, scene.normal, scene.view, inside_unit(std::fmod(u + on, 1)),
+                                 std::fmod(w + 2 * on, 1),
+                                 static_cast<FirstFlake<double>*>(nullptr), part.rise);
       given.add(leave_beside(sample, part, scene.normal, scene.view) * (1.0 / kFlakesBeside));
     }
     const auto with = give_to_lobes(part, given.more, given.less);
@@ -336,7 +338,7 @@ double off_under_lamp(const TestScene& scene, double radius) {
   return std::max({std::fabs(over.x - 1), std::fabs(over.y - 1), std::fabs(over.z - 1)});
 }
 
-// Within 1 %, but for 3.2 % of lamps (of 3,200): more than 17 of 200 in one of 10,000 runs.
+// Within 1 %, but for 1.5 % of lamps (of 1,500): more than 11 of 200 in one of 10,000 runs.
 TEST(SmoothPart, ALampsLightIsThatOfTheFlakes) {
   Random random = fresh(98);
   int off = 0;
@@ -348,7 +350,7 @@ TEST(SmoothPart, ALampsLightIsThatOfTheFlakes) {
     const double half = std::clamp(turned * random.uniform(0.5, 1.5), 0.1, 0.8);
     if (off_under_lamp(scene, std::tan(half)) > 0.01) ++off;
   }
-  EXPECT_LE(off, 17);
+  EXPECT_LE(off, 11);
 }
 
 TEST(SmoothPart, WithWhatItLeavesTheFlakesIsTheBrdf) { expect_brdf(93, false); }

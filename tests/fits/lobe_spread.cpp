@@ -67,7 +67,7 @@ std::array<double, 2> by_flakes(const Layer<double>& layer, Vec3<double> view, c
     const Vec3<double> normal{0, 0, 1};
     MirroredSample<double> sample =
         sample_flake(layer, normal, view, inside_unit(at[0]), at[1],
-                     static_cast<FirstFlake<double>*>(nullptr), part != nullptr);
+                     static_cast<FirstFlake<double>*>(nullptr), part != nullptr ? part->rise : 0.0);
     if (part != nullptr) leave_beside(sample, *part, normal, view);
     if (!(sample.weight.y > 0)) continue;
     const LobeCone<double> cone =
