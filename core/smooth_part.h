@@ -197,12 +197,12 @@ Facets<T> facets_at(Vec3<T> normal, Vec3<T> towards, T slope, T x2, T y2, T sin_
 // the wide lobe reaches up to f in the middle and elsewhere, and both in the middle and an alpha
 // aside. Chosen for little noise under softboxes, and for lobes that pass f by less than 1 % of its
 // light in the median (tests/core/smooth_part_test.cpp).
-inline constexpr double kNarrowSlope = 0.95, kNarrowSquare = 0.82, kNarrowSquareGgx = 1;
-inline constexpr double kWideSlope = 0.4, kWideSquareGgx = 5.5;
-inline constexpr double kWideAlong = 2.2, kWideAlongBy = -0.8;
-inline constexpr double kWideAcross = 0.75, kWideAcrossBy = 0.65;
-inline constexpr double kWideMiddle = 0.6, kWideMiddleGgx = 0.4;
-inline constexpr double kWideHeight = 0.85, kWideHeightGgx = 0.7, kHeight = 0.95;
+struct LobeShapes {
+  double narrow, along, along_by, across, across_by, middle, height;
+};
+inline constexpr LobeShapes kShapes{0.82, 2.2, -0.8, 0.75, 0.65, 0.6, 0.85};
+inline constexpr LobeShapes kShapesGgx{1, 5.5, 0, 5.5, 0, 0.4, 0.7};
+inline constexpr double kNarrowSlope = 0.95, kWideSlope = 0.4, kHeight = 0.95;
 // Of tilts from here on, and of GGX's tail, the horizon cuts so much of f that lobes pass it
 // somewhere, and no flake takes that back: so they are lower, by this much from kLowerFrom +
 // kLowerRange on.
@@ -247,6 +247,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T x2 = T(0.5) / (along + by_pull);
   const T y2 = 2 / ((up * up + back * back) * (1 / square + by_pull + q));
   const bool tail = flakes.orientation.kind == Orientation::ggx;
+  const LobeShapes shapes = tail ? kShapesGgx : kShapes;
   const T tilted =
       clamp((flakes.orientation.tilt - T(kLowerFrom)) / T(kLowerRange), T(tail ? 1 : 0), T(1));
   const T highest = 1 - T(kLower) * tilted;
@@ -256,14 +257,10 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const Facets<T> guess = facets_of(T(1), x2, y2);
   SmoothPart<T> part;
   part.rise = rise;
-  const T narrower = T(tail ? kNarrowSquareGgx : kNarrowSquare);
-  part.narrow = facets_of(T(kNarrowSlope), narrower * x2, narrower * y2);
-  T wide_along = T(kWideSquareGgx), wide_across = T(kWideSquareGgx);
-  if (!tail) {
-    wide_along = T(kWideAlong) + T(kWideAlongBy) * cos_view;
-    wide_across = T(kWideAcross) + T(kWideAcrossBy) * cos_view;
-  }
-  part.wide = facets_of(T(kWideSlope), wide_along * (T(0.5) / along), wide_across * y2);
+  part.narrow = facets_of(T(kNarrowSlope), T(shapes.narrow) * x2, T(shapes.narrow) * y2);
+  part.wide =
+      facets_of(T(kWideSlope), (T(shapes.along) + T(shapes.along_by) * cos_view) * (T(0.5) / along),
+                (T(shapes.across) + T(shapes.across_by) * cos_view) * y2);
 
   // f in the middle, an alpha aside, and further off.
   constexpr int kNear = 3, kPoints = 6;
@@ -284,9 +281,7 @@ SmoothPart<T> smooth_part(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
     if (i == 0) middle = middle_of_lobe(layer, seen, light, cos_light);
     const Rgb<T> f = flakes_show(layer, flakes, seen, middle, light, cos_light);
     const T wide = facets_show(part.wide, light);
-    T height = T(tail ? kWideHeightGgx : kWideHeight);
-    if (i == 0) height = T(tail ? kWideMiddleGgx : kWideMiddle);
-    height = height * highest;
+    const T height = T(i == 0 ? shapes.middle : shapes.height) * highest;
     if (wide > 0) most = least(most, f * (height / wide));
     if (i < kNear) {
       shown[i] = f;

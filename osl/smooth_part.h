@@ -10,19 +10,10 @@
 #include "outline.h"
 #include "passage.h"
 
+#define LOBE_SHAPES {0.82, 2.2, -0.8, 0.75, 0.65, 0.6, 0.85}
+#define LOBE_SHAPES_GGX {1.0, 5.5, 0.0, 5.5, 0.0, 0.4, 0.7}
 #define NARROW_SLOPE 0.95
-#define NARROW_SQUARE 0.82
-#define NARROW_SQUARE_GGX 1.0
 #define WIDE_SLOPE 0.4
-#define WIDE_SQUARE_GGX 5.5
-#define WIDE_ALONG 2.2
-#define WIDE_ALONG_BY (-0.8)
-#define WIDE_ACROSS 0.75
-#define WIDE_ACROSS_BY 0.65
-#define WIDE_MIDDLE 0.6
-#define WIDE_MIDDLE_GGX 0.4
-#define WIDE_HEIGHT 0.85
-#define WIDE_HEIGHT_GGX 0.7
 #define HEIGHT 0.95
 #define LOWER 0.13
 #define LOWER_FROM 0.15
@@ -35,6 +26,16 @@
 #define LEAST_FALL 0.3
 #define MOST_FALL 10.0
 #define LEAN_BACK 0.75
+
+struct LobeShapes {
+  float narrow;
+  float along;
+  float along_by;
+  float across;
+  float across_by;
+  float middle;
+  float height;
+};
 
 struct Facets {
   vector facing;  // their normal
@@ -248,21 +249,18 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
   float x2 = 0.5 / (along + by_pull);
   float y2 = 2.0 / ((up * up + back * back) * (1.0 / square + by_pull + q));
   int tail = some.orientation.kind == ORIENTATION_GGX;
+  LobeShapes shapes = LOBE_SHAPES;
+  LobeShapes of_ggx = LOBE_SHAPES_GGX;
+  if (tail)
+    shapes = of_ggx;
   float tilted = clamp((some.orientation.tilt - LOWER_FROM) / LOWER_RANGE, tail ? 1.0 : 0.0, 1.0);
   float highest = 1.0 - LOWER * tilted;
   Facets guess = facets_at(n, towards, slope, x2, y2, sin_view, cos_view);
   SmoothPart part = none;
   part.rise = rise;
-  float narrower = tail ? NARROW_SQUARE_GGX : NARROW_SQUARE;
-  part.narrow = facets_at(n, towards, NARROW_SLOPE * slope, narrower * x2, narrower * y2, sin_view, cos_view);
-  float wide_along = WIDE_SQUARE_GGX;
-  float wide_across = WIDE_SQUARE_GGX;
-  if (!tail) {
-    wide_along = WIDE_ALONG + WIDE_ALONG_BY * cos_view;
-    wide_across = WIDE_ACROSS + WIDE_ACROSS_BY * cos_view;
-  }
-  part.wide = facets_at(n, towards, WIDE_SLOPE * slope, wide_along * (0.5 / along),
-                        wide_across * y2, sin_view, cos_view);
+  part.narrow = facets_at(n, towards, NARROW_SLOPE * slope, shapes.narrow * x2, shapes.narrow * y2, sin_view, cos_view);
+  part.wide = facets_at(n, towards, WIDE_SLOPE * slope, (shapes.along + shapes.along_by * cos_view) * (0.5 / along),
+                        (shapes.across + shapes.across_by * cos_view) * y2, sin_view, cos_view);
 
   MiddleOfLobe middle;
   color shown[NEAR_LIGHTS];
@@ -286,10 +284,7 @@ SmoothPart smooth_part(Layer layer, Flakes some, float library[], SurfacePoint s
       middle = middle_of_lobe(layer, library, seen, light, cos_light);
     color f = flakes_show(layer, some, library, seen, middle, light, cos_light);
     float wide = facets_show(part.wide, light);
-    float height = tail ? WIDE_HEIGHT_GGX : WIDE_HEIGHT;
-    if (i == 0)
-      height = tail ? WIDE_MIDDLE_GGX : WIDE_MIDDLE;
-    height = height * highest;
+    float height = (i == 0 ? shapes.middle : shapes.height) * highest;
     if (wide > 0.0)
       most = min(most, f * (height / wide));
     if (i < NEAR_LIGHTS) {

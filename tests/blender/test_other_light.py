@@ -485,6 +485,17 @@ def stage(*lamps: tuple[tuple[float, float, float], float]) -> None:
     scene.camera = camera
 
 
+def pictures_of_seeds(samples: int, count: int) -> np.ndarray:
+    """Grey."""
+    scene = bpy.context.scene
+    scene.cycles.samples = samples
+    pictures = []
+    for seed in range(count):
+        scene.cycles.seed = seed
+        pictures.append(verify.render(scene).mean(axis=2))
+    return np.array(pictures)
+
+
 def pictures_of_ball(surface: bpy.types.Material, count: int = 6) -> np.ndarray:
     """Grey, at 16 samples, of so many seeds."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.075)
@@ -493,13 +504,9 @@ def pictures_of_ball(surface: bpy.types.Material, count: int = 6) -> np.ndarray:
     ball.data.materials.append(surface)
     scene = bpy.context.scene
     needs.fit(scene)
-    scene.cycles.samples = 16
-    pictures = []
-    for seed in range(count):
-        scene.cycles.seed = seed
-        pictures.append(verify.render(scene).mean(axis=2))
+    pictures = pictures_of_seeds(16, count)
     bpy.data.objects.remove(ball)
-    return np.array(pictures)
+    return pictures
 
 
 def noise_on_ball(surface: bpy.types.Material) -> float:
@@ -536,11 +543,7 @@ def noise_on_panel(surface: bpy.types.Material, elevation: float) -> float:
     camera.data.angle = math.radians(1.2)
     scene.render.resolution_x = scene.render.resolution_y = 24
     needs.fit(scene)
-    scene.cycles.samples = 24
-    pictures = []
-    for seed in range(4):
-        scene.cycles.seed = seed
-        pictures.append(verify.render(scene).mean(axis=2))
+    pictures = pictures_of_seeds(24, 4)
     return float(np.median(np.std(pictures, axis=0, ddof=1)) / np.mean(pictures))
 
 
