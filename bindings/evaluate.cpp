@@ -46,15 +46,10 @@ py::object part_of(const py::array& memory, Number* first, std::array<py::ssize_
 py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle positions,
                   py::handle normals, py::handle views, py::handle footprints, py::handle pixels,
                   py::handle own_positions, py::handle own_axes, py::handle instances,
-                  py::handle slant_depths, py::handle precision, py::handle species_index) {
+                  py::handle slant_depths, py::handle precision) {
   const Paint& paint = object_of<Paint>("paint", one_paint);
   const std::vector<Light<double>> lights = lights_of(some_lights);
   const bool is_float = choice("precision", precision, {"float", "double"}) == 0;
-  const int species = from_python<int>("species", species_index, kInt32);
-  if (species < 0 || species >= kSpecies) {
-    throw py::value_error("species is " + std::to_string(species) + ", but must be from 0 to " +
-                          std::to_string(kSpecies - 1));
-  }
   const Places places(positions, normals, views, footprints, pixels, own_positions, own_axes,
                       instances);
   std::optional<py::array> slant_depth;
@@ -79,8 +74,7 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
   const PixelResults results{leader,   count_slots,   mean_count, count,
                              radiance, mean_radiance, variance};
   const auto evaluate_in = [&](const auto& layer, const std::stop_token& stop) {
-    evaluate_pixels(prepared->paint, layer, lights, static_cast<std::size_t>(species), batch,
-                    results, stop);
+    evaluate_pixels(prepared->paint, layer, lights, batch, results, stop);
   };
   // With three species some 30 ms: not worth a thread that looks for signals.
   const bool brief = std::max(n, all_lights) <= (is_float ? 1 << 15 : 1 << 11);
@@ -119,7 +113,7 @@ py::dict evaluate(py::handle one_paint, py::handle some_lights, py::handle posit
 PyObject* call_evaluate(PyObject*, PyObject* const* given, Py_ssize_t by_position,
                         PyObject* keywords) {
   return returned_or_raised([&] {
-    static const Signature<13> signature("evaluate", 2,
+    static const Signature<12> signature("evaluate", 2,
                                          {{"paint"},
                                           {"lights"},
                                           {"position"},
@@ -131,8 +125,7 @@ PyObject* call_evaluate(PyObject*, PyObject* const* given, Py_ssize_t by_positio
                                           {"own_axes", Py_None},
                                           {"instance", Py_None},
                                           {"slant_depth", Py_None},
-                                          {"precision", PyUnicode_InternFromString("double")},
-                                          {"species", PyLong_FromLong(0)}});
+                                          {"precision", PyUnicode_InternFromString("double")}});
     const auto arguments = signature.arrange(given, by_position, keywords);
     return std::apply(evaluate, arguments);
   });
@@ -144,7 +137,7 @@ void bind_evaluate(py::module_& module) {
   static PyMethodDef definition{
       "evaluate", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(call_evaluate)),
       METH_FASTCALL | METH_KEYWORDS,
-      R"doc(evaluate(paint, lights, *, position, normal, view, footprint, pixel, own_position=None, own_axes=None, instance=None, slant_depth=None, precision='double', species=0)
+      R"doc(evaluate(paint, lights, *, position, normal, view, footprint, pixel, own_position=None, own_axes=None, instance=None, slant_depth=None, precision='double')
 
 The sparkles of m lights, at most 8, in n pixels (paper, 5.3; derivation: core/expected_sparkles.h).
 
@@ -154,19 +147,19 @@ the surface, 0 to 1e30 m2. pixel (n, 2): whole coordinates x and y, 32-bit.
 own_position (n, 3): where the points lie in the object's own space, m, at most 1e30. If it is not
 given, sparkles belong to the pixels, whatever the Anchor. own_axes (n, 3, 3): that space's axes x, y, z as unit vectors of the world; the
 world's own if not given. instance (n,): tells copies of an object apart, 32-bit; 0 if not given.
-With Anchor pixel the deviates depend on pixel, light number, species, paint.frame and paint.seed
-alone; with Anchor surface, whose counts are those of the cell in which the point lies, on its place
-and half-way direction in the own space, instance, species, paint.frame and paint.seed.
+With Anchor pixel the deviates depend on pixel, light number, paint.frame and paint.seed alone; with
+Anchor surface, whose counts are those of the cell in which the point lies, on its place and
+half-way direction in the own space, instance, paint.frame and paint.seed.
 slant_depth (n, m, 3): 0 to 1e30, in place of the layer's own optical depth on the ways to observer
 and light, tau(view) H/cos + tau(light) H/cos. precision: "float" repeats the shader operation by
-operation; "double" is the reference. species: 0 to 2, whose counts are asked for.
+operation; "double" is the reference.
 
 Returns a dict over pixels and lights: leader (n, m), the light whose cone and sparkles this one
-shares, -1 if it is below the surface; mean_count, slots (0 Poisson, k binomial) and count (n, m) of
-the sparkles of the species asked for (seen close up, whether the flake there mirrors the light, and
-how probable that is); radiance, mean_radiance and variance (n, m, 3), of all
-species, per unit of the light's irradiance on a plane normal to it: 1/sr, and its square for the
-variance.
+shares, -1 if it is below the surface; slots (n, m) of the first species' count (0 Poisson, k
+binomial); mean_count and count (n, m) of the sparkles of all species: of a species seen close up,
+whether the flake there mirrors the light, and how probable that is; radiance, mean_radiance and
+variance (n, m, 3) of all species, per unit of the light's irradiance on a plane normal to it: 1/sr,
+and its square for the variance.
 The arrays share one piece of memory, which any of them keeps.
 mean_radiance is cos(theta') flake_brdf while the cone of flake normals that see the light is
 narrower than tilt/16; for wider lights P(beta) is averaged over that cone.)doc"};

@@ -42,33 +42,28 @@ py::object each_result(const Array<double>& shape, const auto& f) {
 // The pieces of the model, element by element over arrays that broadcast.
 void bind_functions(py::module_& module) {
   module.def(
-      "hash_words",
-      [](py::handle xs, py::handle ys, py::handle light, py::handle species, py::handle frame,
-         py::handle seed, py::handle draws) {
-        const Array<std::int32_t> x = whole_numbers("x", xs), y = whole_numbers("y", ys);
-        if (x.size() != y.size()) {
-          throw py::value_error("size of y is " + std::to_string(y.size()) +
-                                ", but must be that of x, " + std::to_string(x.size()));
-        }
-        const HashWords key = stream_key(
-            from_python<int>("light", light, kInt32), from_python<int>("species", species, kInt32),
-            from_python<int>("frame", frame, kInt32), from_python<int>("seed", seed, kInt32));
-        const int draw = from_python<int>("draw", draws, kInt32);
-        py::array_t<std::uint32_t> words({x.size(), py::ssize_t{4}});
-        std::uint32_t* to = words.mutable_data();
-        each_element(x.size(), [&](py::ssize_t i) {
-          const HashWords w = draw_words(key, x.data()[i], y.data()[i], draw);
-          std::uint32_t* row = to + 4 * i;
-          row[0] = w.x, row[1] = w.y, row[2] = w.z, row[3] = w.w;
+      "white_noise",
+      [](py::handle positions, py::handle ws) {
+        const Array<double> position = numbers("position", positions), w = numbers("w", ws);
+        require_rows_of_3("position", position);
+        require_shape("w", w, {position.shape(0)});
+        py::array_t<double> colours({position.shape(0), py::ssize_t{3}});
+        double* to = colours.mutable_data();
+        each_element(position.shape(0), [&](py::ssize_t i) {
+          const double* at = position.data() + 3 * i;
+          const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]),
+                     z = static_cast<float>(at[2]), word = static_cast<float>(w.data()[i]);
+          double* out = to + 3 * i;
+          out[0] = hash_value(x, y, z, word);
+          out[1] = hash_value(z, x, word, y);
+          out[2] = hash_value(word, z, y, x);
         });
-        return words;
+        return colours;
       },
-      py::arg("x"), py::arg("y"), py::kw_only(), py::arg("light") = 0, py::arg("species") = 0,
-      py::arg("frame") = 0, py::arg("seed") = 0, py::arg("draw") = 0,
-      R"doc(Random words of pixels, as the shader draws them (pcg4d: core/random.h).
+      py::arg("position"), py::arg("w"),
+      R"doc(The Color of Blender's White Noise node in 4D, of which all deviates are made (core/random.h).
 
-x, y (n,): whole pixel coordinates; these and light, species, frame, seed and draw: any 32-bit
-integers. Returns uint32 (n, 4).)doc");
+position (n, 3), w (n,): numbers, as single floats. Returns float64 (n, 3) from 0 to 1.)doc");
   module.def(
       "count_deviate",
       [](py::handle mean, py::handle slots, py::handle uniform) {
@@ -79,14 +74,15 @@ integers. Returns uint32 (n, 4).)doc");
         return each_result(all[0], [&](py::ssize_t i) {
           const double one_mean = m[i], one_slots = k[i], one_uniform = u[i];
           validate_count(one_mean, one_slots, one_uniform);
-          return count_deviate(one_mean, static_cast<int>(one_slots), one_uniform);
+          return draw_count(one_mean, static_cast<int>(one_slots), one_uniform).number;
         });
       },
       py::arg("mean"), py::arg("slots"), py::arg("uniform"),
-      R"doc(How many sparkles a pixel has, for a uniform deviate (paper, step 3; the binomial is ours).
+      R"doc(How many sparkles a pixel has, for a uniform deviate (paper, step 3; law: core/poisson.h).
 
 mean: expected count, from 0, infinity included; slots: 0 for a Poisson count, 1 to 16 for a
-binomial one of as many places with the same mean; uniform: above 0, at most 1. The three
+binomial one of as many places; uniform: above 0, at most 1. Up to a mean of 2 the count is exact
+but for more than 6 sparkles, above it a rounded normal deviate with the law's skewness. The three
 broadcast. Returns whole float64 numbers of the common shape; they fall as uniform rises.)doc");
   module.def(
       "normal_quantile",

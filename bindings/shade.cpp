@@ -97,6 +97,7 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
       store(to_bent, i, stack.coat_normal);
       const SlotView<double> slots = view_slots(lights, point, turned);
       const auto firsts = look_close(layer, stack.at, paint.frame, paint.seed);
+      const auto cell = cell_of_counts(layer, stack.at, firsts, paint.frame, paint.seed);
       std::array<PixelSparkles<double>, kLightSlots> drawn;
       for (std::size_t k = 0; k < lights.size(); ++k) {
         const int leader = slots.leader[k];
@@ -104,8 +105,9 @@ py::dict shade_pixels(py::handle one_paint, py::handle some_lights, py::handle p
         // The leader comes first: a light of its group shows the same sparkles.
         const auto lead = static_cast<std::size_t>(leader);
         if (lead == k) {
-          drawn[k] = sparkle(layer, stack.at, firsts, pass_between(layer, stack.at, slots.seen[k]),
-                             leader, paint.frame, paint.seed);
+          drawn[k] =
+              sparkle(layer, stack.at, firsts, cell, pass_between(layer, stack.at, slots.seen[k]),
+                      leader, paint.frame, paint.seed);
         }
         const auto found = shade(stack, point, slots.seen[k], drawn[lead].radiance);
         const std::size_t at = i * lights.size() + k;

@@ -23,7 +23,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "layer.h"
 #include "own_space.h"
@@ -50,29 +49,19 @@ inline constexpr double kRow = 8;
 // Columns end after so many sides, so that two sheets of paint above each other differ.
 inline constexpr double kColumn = 16;
 
+// The stream of the flakes' deviates, beside those in close_up.h and texture.h.
+inline constexpr int kFlakeStream = 0;
+
 template <class T>
 struct Cell {
-  T area{};         // of the surface in it, m2
-  HashWords key{};  // of its deviates
+  T area{};       // of the surface in it, m2
+  HashKey key{};  // of its deviates
 };
 
-// What tells the flakes of one species in one object, or the texture of it, from others.
+// What tells the flakes of one object, or the texture of it, from others.
 template <class T>
-HashWords own_stream(const Layer<T>& layer, const OwnSpace<T>& own, int kind, int frame, int seed) {
-  const int instance = layer.instances == Instances::own ? own.instance : 0;
-  return stream_key(instance, kind, frame, seed);
-}
-
-// A whole number as a hash's word. Beyond 24 bits a float has no more than that many; what is above
-// them counts as well.
-template <class T>
-std::uint32_t lattice_word(T cell) {
-  const T bounded = clamp(cell, T(-1e30), T(1e30));
-  const T high = floor(bounded * (T(1) / 16777216));
-  const T low = bounded - high * T(16777216);
-  const int above = static_cast<int>(clamp(high, T(-1e9), T(1e9)));
-  return static_cast<std::uint32_t>(static_cast<int>(low)) +
-         static_cast<std::uint32_t>(above) * 2654435761u;
+HashKey own_stream(const Layer<T>& layer, const OwnSpace<T>& own, int kind, int frame, int seed) {
+  return stream_key(kind, layer.instances == Instances::own ? own.instance : 0, frame, seed);
 }
 
 // The octave in which a size lies: side/2 < size <= side = 2^level.
@@ -94,11 +83,17 @@ Octave<T> octave_of(T size) {
   return octave;
 }
 
-// An octave's side, or the half of it: by the deviate `word`, so that it is `size` on average.
+// An octave's side, or the half of it: by the deviate u, so that it is `size` on average.
 template <class T>
-Octave<T> settled(Octave<T> octave, T size, std::uint32_t word) {
-  if (uniform_23<T>(word) < 2 * size / octave.side - 1) return octave;
+Octave<T> settled(Octave<T> octave, T size, float u) {
+  if (static_cast<T>(u) < 2 * size / octave.side - 1) return octave;
   return {octave.level - 1, octave.side * T(0.5)};
+}
+
+// A hash's word, below 2^20, for what a deviate decides (0 to 2), the levels of a lattice and the
+// side of the sheet.
+inline float lattice_word(int what, int level, int other_level, int face) {
+  return static_cast<float>(((what * 128 + level + 64) * 128 + other_level + 64) * 8 + face);
 }
 
 // The cell in which a point lies; `share` of the pixel's footprint is a cell's area, but it is not
@@ -112,7 +107,7 @@ Octave<T> settled(Octave<T> octave, T size, std::uint32_t word) {
 // u sqrt(q_vv/det q) and v/sqrt(q_vv). det q is that of the form on the surface, (Sigma c)(Sigma c
 // + Sigma t t/c), times n_w^2. A cell turns with the view, and keeps its place and its flakes.
 template <class T>
-Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stream) {
+Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashKey stream) {
   const OwnSpace<T>& own = point.own;
   const T cosine = dot(point.normal, point.view);
   const Vec3<T> t = own_direction(own, point.view - point.normal * cosine);
@@ -149,12 +144,10 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   for (int i = 0; i < 2; ++i) {
     const Octave<T> parent = octave_of(sizes[i]);
     if (i == 0) row = floor(along / parent.side);
-    const int of_parent = (level[0] * 256 + parent.level) * 8 + plane.face;
-    const HashWords words =
-        pcg4d({lattice_word(floor(crosswise / parent.side)) ^ stream.x,
-               lattice_word(row) ^ stream.y, stream.z + static_cast<std::uint32_t>(i),
-               stream.w + static_cast<std::uint32_t>(of_parent)});
-    const Octave<T> own_side = settled(parent, sizes[i], words.x);
+    const float u =
+        uniform_deviate(stream.x + wrapped(floor(crosswise / parent.side)), stream.y + wrapped(row),
+                        stream.z, lattice_word(i + 1, level[0], parent.level, plane.face));
+    const Octave<T> own_side = settled(parent, sizes[i], u);
     side[i] = own_side.side;
     level[i] = own_side.level;
     if (i == 0) {
@@ -174,32 +167,25 @@ Cell<T> find_cell(const SurfacePoint<T>& point, T share, T least, HashWords stre
   Cell<T> cell;
   cell.area = side[0] * side[1] / facing;
   const T column = T(kColumn) * max(side[0], side[1]);
-  const int kind = (level_u * 256 + level_v) * 8 + plane.face;
-  cell.key = pcg4d({lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
-                    lattice_word(floor(w / column)) ^ stream.z,
-                    stream.w + static_cast<std::uint32_t>(kind)});
+  const HashKey at{wrapped(place_u), wrapped(place_v), wrapped(floor(w / column))};
+  cell.key = hashed(stream + at, lattice_word(0, level_u, level_v, plane.face));
   return cell;
-}
-
-// The cell of normals in which a component of one lies, in a lattice offset by the deviate
-// `offset`.
-template <class T>
-std::uint32_t normal_place(T x, T side, std::uint32_t offset) {
-  return static_cast<std::uint32_t>(static_cast<int>(floor(x / side + uniform_23<T>(offset))));
 }
 
 // The deviates of a cell's flakes whose normals are about n, n_f in the own space. sin2_half_rho:
 // of the cone of normals that sparkle, whose radius as a chord is 2 sin(rho/2). Every cell has
 // offsets of its own: else all flakes along a curve would change at once.
 template <class T>
-HashWords about_normal(HashWords cell, Vec3<T> n, T sin2_half_rho) {
+HashKey about_normal(HashKey cell, Vec3<T> n, T sin2_half_rho) {
   const T radius = 2 * sqrt(sin2_half_rho);
   const T side = clamp(T(kNormalCell) * radius, T(1e-6), T(2));
-  const Octave<T> octave = settled(octave_of(side), side, cell.w);
-  return pcg4d({cell.x ^ normal_place(n.x, octave.side, cell.x),
-                cell.y ^ normal_place(n.y, octave.side, cell.y),
-                cell.z ^ normal_place(n.z, octave.side, cell.z),
-                cell.w + static_cast<std::uint32_t>(octave.level)});
+  const Octave<T> octave =
+      settled(octave_of(side), side, uniform_deviate(cell.x, cell.y, cell.z, 0));
+  const auto place = [&](T x, float offset) {
+    return wrapped(floor(x / octave.side + static_cast<T>(offset) * T(0x1p-22)));
+  };
+  return hashed(cell + HashKey{place(n.x, cell.x), place(n.y, cell.y), place(n.z, cell.z)},
+                static_cast<float>(octave.level + 64));
 }
 
 }  // namespace metallic_paint

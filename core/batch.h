@@ -97,7 +97,7 @@ SurfacePoint<T> point_at(const PixelBatch& batch, std::size_t i) {
 
 struct PixelResults {
   std::int32_t* leader;  // n x lights
-  // n x lights, of the flakes of one species; 0 for a light that does not lead.
+  // n x lights, of all species, but `slots` of the first; 0 for a light that does not lead.
   std::int32_t* slots;  // 0 for a Poisson count, k for a binomial one
   double* mean_count;
   double* count;
@@ -121,8 +121,7 @@ void store_colour(double* array, std::size_t at, const Rgb<T>& value) {
 // that leads. The leader comes first: a follower's results are there to copy.
 template <class Sparkles>
 void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
-                 std::size_t species, const std::array<int, kLightSlots>& leaders,
-                 const Sparkles& sparkles_of) {
+                 const std::array<int, kLightSlots>& leaders, const Sparkles& sparkles_of) {
   for (std::size_t light = 0; light < lights; ++light) {
     const int leader = leaders[light];
     const std::size_t at = i * lights + light;
@@ -139,9 +138,9 @@ void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
       continue;
     }
     const auto& all = sparkles_of(light);
-    results.slots[at] = all.expected[species].slots;
-    results.mean_count[at] = static_cast<double>(all.expected[species].mean_count);
-    results.count[at] = static_cast<double>(all.count[species]);
+    results.slots[at] = all.slots;
+    results.mean_count[at] = static_cast<double>(all.mean_count);
+    results.count[at] = static_cast<double>(all.count);
     store_colour(results.radiance, at, all.radiance);
     store_colour(results.mean_radiance, at, all.mean_radiance);
     store_colour(results.variance, at, all.variance);
@@ -149,13 +148,11 @@ void store_pixel(const PixelResults& results, std::size_t i, std::size_t lights,
 }
 
 // What the shader computes at each pixel, in T: float repeats it, double is the reference. The
-// layer is the paint's. The counts are those of `species`. Once `stop` is requested, the rest of
-// the results stays unset.
+// layer is the paint's. Once `stop` is requested, the rest of the results stays unset.
 template <class T>
 void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
-                     const std::vector<Light<double>>& lights, std::size_t species,
-                     const PixelBatch& batch, const PixelResults& results,
-                     const std::stop_token& stop = {}) {
+                     const std::vector<Light<double>>& lights, const PixelBatch& batch,
+                     const PixelResults& results, const std::stop_token& stop = {}) {
   const Layer<T> layer = layer_under(layer_of_paint, batch);
   const std::vector<Light<T>> slots = slots_of<T>(lights);
   const T turned = turned_by(layer);
@@ -163,12 +160,14 @@ void evaluate_pixels(const Paint& paint, const Layer<T>& layer_of_paint,
     const SurfacePoint<T> point = under_orange_peel(paint, point_at<T>(batch, i));
     const SlotView<T> view = view_slots(slots, point, turned);
     const auto firsts = look_close(layer, point, paint.frame, paint.seed);
-    store_pixel(results, i, slots.size(), species, view.leader, [&](std::size_t light) {
+    const Cell<T> cell = cell_of_counts(layer, point, firsts, paint.frame, paint.seed);
+    store_pixel(results, i, slots.size(), view.leader, [&](std::size_t light) {
       const Rgb<T> slant =
           batch.slant.given() ? vector_at<T>(batch.slant, i * slots.size() + light) : Rgb<T>{};
       const Passage<T> way =
           pass_between(layer, point, view.seen[light], batch.slant.given() ? &slant : nullptr);
-      return sparkle(layer, point, firsts, way, static_cast<int>(light), paint.frame, paint.seed);
+      return sparkle(layer, point, firsts, cell, way, static_cast<int>(light), paint.frame,
+                     paint.seed);
     });
   };
   parallel_for(batch.size, evaluate_pixel, 1024, stop);

@@ -6,7 +6,7 @@
 //
 // The flakes of a species are a Poisson process over place, normal, area and depth. Space is cut
 // into cells, columns of a lattice across the dominant axis of the normal; in a cell the flakes
-// follow each other from the surface down by exponential steps of depth, each from the words of
+// follow each other from the surface down by exponential steps of depth, each from the deviates of
 // (cell, number). A cell is as wide as a flake can reach, so the 3 x 3 cells about a sample hold
 // all that can cover it, and the search in a cell ends where it passes the best so far: its work is
 // bounded however dense the paint.
@@ -32,7 +32,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 #include "anchor.h"
 #include "elementary.h"
@@ -48,10 +47,12 @@
 namespace metallic_paint {
 
 // Where a sample lies in a lattice of cells: two coordinates of the paint's own space, in metres,
-// and the directions in the world along which they grow, of unit length.
+// the one across them, the side of the sheet, and the directions in the world along which the two
+// grow, of unit length.
 template <class T>
 struct LatticePoint {
-  T a, b;
+  T a, b, c;
+  int face;
   Vec3<T> towards_a, towards_b;
 };
 
@@ -89,10 +90,16 @@ inline constexpr double kOutlineReach = 0.8356;
 inline constexpr double kMostDeviation = 2;
 inline constexpr double kCutDeviation = 0.00849070261;
 
+// The first of their streams of deviates, one a species.
+inline constexpr int kCloseStream = 1;
+
 // Cells of a sparse paint hold half a flake; and no more of a cell's flakes than this are looked
 // at.
 inline constexpr double kLeastInCell = 0.5;
-inline constexpr std::uint32_t kMostInCell = 64;
+inline constexpr int kMostInCell = 64;
+
+// Columns of cells end after so many sides, so that two sheets of paint above each other differ.
+inline constexpr double kCloseColumn = 256;
 
 // Whether flakes are seen or counted is one decision over a square of so many flakes a side: a
 // flake or a cell of the anchor that its border cuts shows part of its sparkle, which takes
@@ -161,15 +168,14 @@ struct DrawnFlake {
 };
 
 // `off` is the way from the flake's centre to the sample, `inside` that to the observer, both in
-// the tangent frame. `words` are the flake's own.
+// the tangent frame. `tilted` and `shaped` are the flake's own deviates.
 template <class T>
 DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Vec3<T> inside,
-                         HashWords words) {
+                         Deviates tilted, Deviates shaped) {
   DrawnFlake<T> flake;
-  const HashWords more = pcg4d(words);
-  const SampledTilt<T> tilt = sample_tilt(flakes.orientation, uniform_23<T>(more.x));
-  if (uniform_23<T>(more.y) * most_weight >= tilt.weight) return flake;
-  const Turn<T> azimuth = turn_by(uniform_23<T>(more.z));
+  const SampledTilt<T> tilt = sample_tilt(flakes.orientation, static_cast<T>(tilted.x));
+  if (static_cast<T>(tilted.y) * most_weight >= tilt.weight) return flake;
+  const Turn<T> azimuth = turn_by(static_cast<T>(tilted.z));
   const T h = tilt.sin2_half_beta;
   const T cos_beta = 1 - 2 * h, sin_beta = 2 * sqrt(h * (1 - h));
   flake.normal = {sin_beta * azimuth.cosine, sin_beta * azimuth.sine, cos_beta};
@@ -180,15 +186,16 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
   const T run = (off.x * azimuth.cosine + off.y * azimuth.sine) / flake.facing;
   const T aside = inside.y * azimuth.cosine - inside.x * azimuth.sine;
   const T most = T(kMostStretch), least = 1 / T(kMostStretch);
-  const T stretch = least + (most - least) * uniform_16<T>(more.w >> 16);
-  const T shear = T(kMostShear) * (2 * uniform_16<T>(more.w) - 1);
+  const T stretch = least + (most - least) * static_cast<T>(shaped.y);
+  const bool mirrored = shaped.z < 0.5f;
+  const T shear = T(kMostShear) * (4 * static_cast<T>(shaped.z) - (mirrored ? 1 : 3));
   const T x = run * inside.z * stretch;
   const T y = (off.y * azimuth.cosine - off.x * azimuth.sine - run * (aside * sin_beta)) / stretch +
               shear * x;
-  const T edge = outline(x, (more.x & 1u) != 0 ? -y : y);
+  const T edge = outline(x, mirrored ? -y : y);
   T area = 1;
   if (flakes.area_spread > 0) {
-    const T deviate = min(normal_quantile(uniform_23<T>(words.w)), T(kMostDeviation));
+    const T deviate = min(normal_quantile(static_cast<T>(shaped.x)), T(kMostDeviation));
     area = max(1 + flakes.area_spread * deviate, T(0));
   }
   flake.covers = edge * edge < area * flakes.flake_area;
@@ -201,16 +208,16 @@ DrawnFlake<T> draw_flake(const Flakes<T>& flakes, T most_weight, Vec3<T> off, Ve
 template <class T>
 FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T> normal,
                           Vec3<T> inside, T cos_in, const LatticePoint<T>& at, T size,
-                          HashWords key) {
+                          HashKey key) {
   FirstFlake<T> first;
   first.passed = passed_over(flakes);
   first.hiding = (1 - first.passed) *
                  (flakes.coverage * mean_projected_area(flakes.orientation, cos_in) / cos_in);
   if (!(first.hiding > 0)) return first;
   const T block = T(kBlockSide) * sqrt(flakes.flake_area);
-  const HashWords decided = pcg4d({lattice_word(floor(at.a / block)) ^ key.x,
-                                   lattice_word(floor(at.b / block)) ^ key.y, key.z, key.w});
-  first.close = size < 1 + uniform_23<T>(decided.x);
+  first.close = size < 1 + static_cast<T>(uniform_deviate(key.x + wrapped(floor(at.a / block)),
+                                                          key.y + wrapped(floor(at.b / block)),
+                                                          key.z, static_cast<float>(at.face)));
   if (!first.close) return first;
   const TangentFrame<T> frame = tangent_frame(normal, at);
   const Vec3<T> v{dot(inside, frame.along), dot(inside, frame.across), cos_in};
@@ -218,7 +225,7 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   // As many more flakes as their tilts' weights, `most` at most, and the cut of the areas take
   // away.
   const T most = most_tilt_weight(flakes.orientation);
-  const T enlarged = flakes.area.mean / (flakes.area.mean - T(kCutDeviation) * flakes.area_spread);
+  const T enlarged = flakes.area_mean / (flakes.area_mean - T(kCutDeviation) * flakes.area_spread);
   const T density = flakes.areal_density * enlarged * most;
   // The cell serves for every view: the flattest in the binder is that of the horizon.
   const T radius =
@@ -232,30 +239,33 @@ FirstFlake<T> first_flake(const Layer<T>& layer, const Flakes<T>& flakes, Vec3<T
   const T x = clamp(at.a / side, T(-1e30), T(1e30));
   const T y = clamp(at.b / side, T(-1e30), T(1e30));
   const T column = floor(x), row = floor(y);
-  const std::uint32_t place_x = lattice_word(floor((x - column) * T(8388608)));
-  const std::uint32_t place_y = lattice_word(floor((y - row) * T(8388608)));
+  const HashKey place{wrapped(floor((x - column) * T(4194304))),
+                      wrapped(floor((y - row) * T(4194304))), 0};
+  const float sheet = wrapped(floor(at.c / (T(kCloseColumn) * side)));
   Vec3<T> m{};
   for (int k = 0; k < 9; ++k) {
     const int of_nine = (k + 4) % 9;  // the sample's own first
     const T right = static_cast<T>(of_nine % 3 - 1), up = static_cast<T>(of_nine / 3 - 1);
-    const HashWords cell{lattice_word(column + right) ^ key.x, lattice_word(row + up) ^ key.y,
-                         key.z, key.w};
+    const HashKey cell = key + HashKey{wrapped(column + right), wrapped(row + up), sheet};
     const T from_x = x - column - right, from_y = y - row - up;
     const T gap = max(max(-from_x, from_x - 1), max(-from_y, from_y - 1));
     if (gap * side > reach) continue;
     T depth = 0;
-    for (std::uint32_t number = 1; number <= kMostInCell; ++number) {
-      const HashWords words = pcg4d({cell.x, cell.y, cell.z, cell.w + number});
-      depth = depth - logarithm(uniform_23<T>(words.x)) / in_cell;
+    for (int number = 1; number <= kMostInCell; ++number) {
+      const auto word = static_cast<float>(4 * (number + (kMostInCell + 1) * at.face) + 8);
+      const Deviates u = uniform_deviates(cell, word);
+      depth = depth - logarithm(static_cast<T>(u.x)) / in_cell;
       if (!(depth < first.depth)) break;
-      const T da = (from_x - uniform_23<T>(words.y)) * side / frame.a_along;
-      const T db = ((from_y - uniform_23<T>(words.z)) * side - frame.b_along * da) / frame.b_across;
+      const T da = (from_x - static_cast<T>(u.y)) * side / frame.a_along;
+      const T db = ((from_y - static_cast<T>(u.z)) * side - frame.b_along * da) / frame.b_across;
       if (da * da + db * db > reach * reach) continue;
-      const DrawnFlake<T> flake = draw_flake(flakes, most, {da, db, T(0)}, v, words);
+      const DrawnFlake<T> flake =
+          draw_flake(flakes, most, {da, db, T(0)}, v, uniform_deviates(cell, word + 1),
+                     uniform_deviates(cell, word + 2));
       if (!flake.covers) continue;
       if (first.passed > 0) {
-        const HashWords here = pcg4d({words.x ^ place_x, words.y ^ place_y, words.z, words.w});
-        if (uniform_23<T>(here.x) < first.passed) continue;
+        const HashKey here = hashed(cell, word + 3) + place;
+        if (static_cast<T>(uniform_deviate(here.x, here.y, here.z, 0)) < first.passed) continue;
       }
       first.seen = true;
       first.depth = depth;
@@ -362,14 +372,14 @@ std::array<FirstFlake<T>, kSpecies> look_close(const Layer<T>& layer, const Surf
   const T place[3] = {own.position.x, own.position.y, own.position.z};
   const Vec3<T> axes[3] = {own.x, own.y, own.z};
   const LatticePlane<T> plane = lattice_plane(own, point.normal);
-  const LatticePoint<T> at{place[plane.u], place[plane.v], axes[plane.u], axes[plane.v]};
+  const LatticePoint<T> at{place[plane.u], place[plane.v], place[plane.w],
+                           plane.face,     axes[plane.u],  axes[plane.v]};
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
     const T wanted = clamp(point.footprint, T(1e-20), T(1e6)) * layer.cell_share;
-    const T size = wanted / (flakes.flake_area * flakes.area.mean);
+    const T size = wanted / (flakes.flake_area * flakes.area_mean);
     if (!(point.footprint > 0) || !(size < 2)) continue;
-    HashWords key = own_stream(layer, own, i, frame, seed);
-    key.z = key.z + static_cast<std::uint32_t>(plane.face);
+    const HashKey key = own_stream(layer, own, kCloseStream + i, frame, seed);
     firsts[static_cast<std::size_t>(i)] = first_flake(layer, flakes, point.normal, inside,
                                                       min(g_view / layer.eta, T(1)), at, size, key);
   }

@@ -14,7 +14,6 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "passage.h"
-#include "poisson.h"
 #include "vector.h"
 
 namespace metallic_paint {
@@ -25,14 +24,15 @@ struct ExpectedSparkles {
   T mean_count{};                   // <N>
   int slots{};                      // 0: Poisson; k: binomial with k places
   T fill{1};                        // mean flake areas that fill the pixel
-  AreaMoments<T> area{};            // moments of min(X, fill)
+  T area_spread{};                  // of a flake
+  T area_mean{1};                   // of min(X, fill)
+  T area_square{1};                 // E[X^2]/E[X]^2
   Rgb<T> slant{};                   // optical depth of the layer, there and back: x = t H
   T hidden{};                       // h: the part of it that takes flakes away whole
   Rgb<T> transmitted = grey(T(1));  // what it leaves on average of a beam to a random depth: A
   Rgb<T> reflectance{};             // r_p of a flake that sparkles
   Rgb<T> mirror{};                  // T of a pixel filled by an undimmed sparkle
   T ceiling{};                      // T of a pixel filled by a perfect mirror: nothing exceeds it
-  T contrast{1};                    // share of the fluctuation that the paint shows
   T share{1};                       // of the light that sparkles: not what has melted of it
   T probability{};                  // Pr: that a flake mirrors the light
 };
@@ -78,7 +78,8 @@ template <class T>
 T turned_by(const Layer<T>& layer) {
   T most = 0;
   for (int i = 0; i < layer.species; ++i) {
-    most = max(most, turned_by(layer.flakes[static_cast<std::size_t>(i)], layer.eta));
+    const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    if (flakes.coverage > 0) most = max(most, turned_by(flakes, layer.eta));
   }
   return most;
 }
@@ -96,7 +97,8 @@ template <class T>
 ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
                                     const Passage<T>& way, Wide<T> inside, T probability) {
   ExpectedSparkles<T> expected;
-  expected.contrast = layer.sparkle_contrast;
+  expected.area_spread = flakes.area_spread;
+  expected.area_square = flakes.area_square;
   expected.probability = probability;
   const T cos_alpha = static_cast<T>(way.mirror.cos_alpha);
 
@@ -116,13 +118,13 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flak
   // areas stay inside a float.
   const T footprint = clamp(pixel_area, T(1e-20), T(1e6));
   expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
-  expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
+  expected.area_mean = capped_area_mean(flakes.area_spread, expected.fill, flakes.area_mean);
   T enlarged = 1;
-  if (expected.area.mean < flakes.area.mean) enlarged = flakes.area.mean / expected.area.mean;
+  if (expected.area_mean < flakes.area_mean) enlarged = flakes.area_mean / expected.area_mean;
   // Paper, eq. 5 and step 7: <N> = Sigma D H Pr.
   expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
 
-  const T places = expected.fill / flakes.area.mean;
+  const T places = expected.fill / flakes.area_mean;
   if (places < T(kPoissonSlots)) expected.slots = static_cast<int>(max(places, T(1)));
   const T slots = static_cast<T>(expected.slots);
   // More sparkles than the pixel has places for (a light about as wide as the tilt, seen from near)
@@ -157,7 +159,7 @@ template <class T>
 ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const Flakes<T>& flakes, T pixel_area,
                                     const Passage<T>& way) {
   const Wide<T> inside = way.open ? cone_in_binder(flakes, way) : 0;
-  if (!(inside > 0)) return {.area = flakes.area};
+  if (!(inside > 0)) return {};
   Wide<T> probability = flake_probability(flakes.orientation, layer.radiometry,
                                           way.mirror.sin2_half_beta, quarter_cone(inside, way));
   if (way.outline.given) {
@@ -183,13 +185,13 @@ ExpectedSparkles<T> expect_sparkles(const Layer<T>& layer, const SurfacePoint<T>
 // optical depth. Of the square A(2 x - h) is left.
 template <class T>
 Rgb<T> mean_sparkle(const ExpectedSparkles<T>& expected) {
-  const T share = expected.area.mean / expected.fill;
-  return expected.transmitted * share;
+  return expected.transmitted * (expected.area_mean / expected.fill);
 }
 template <class T>
 Rgb<T> mean_square_sparkle(const ExpectedSparkles<T>& expected) {
-  const T share = expected.area.square / expected.fill / expected.fill;
-  return mean_transmittance(expected.slant * T(2) - grey(expected.hidden)) * share;
+  const T square = capped_area_square(expected.area_spread, expected.fill);
+  return mean_transmittance(expected.slant * T(2) - grey(expected.hidden)) *
+         (square / expected.fill / expected.fill);
 }
 
 // E[T] = <N> E[Y] mirror: cos(theta') f for the exact radiometry.
@@ -198,38 +200,18 @@ Rgb<T> mean_radiance(const ExpectedSparkles<T>& expected) {
   return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
 }
 
-// The share that is left of the radiance's fluctuation about its mean: the paint's contrast (ours),
-// and less from afar. From so far that it is below one step of 8 bits, 1/256, the mean takes the
-// place of the draw; on the way there, from twice that variance on, it fades.
-inline constexpr int kFarCount = 65536;
-template <class T>
-T fluctuation_left(const ExpectedSparkles<T>& expected) {
-  if (!(expected.mean_count > T(kFarCount / 2))) return expected.contrast;
-  // mean^2/variance, of the colour that fluctuates most
-  const Rgb<T> mean = mean_sparkle(expected), square = mean_square_sparkle(expected);
-  T least = expected.mean_count;
-  const auto add = [&](T m, T q) {
-    if (q > 0) least = min(least, expected.mean_count * (m * m / q));
-  };
-  add(mean.x, square.x);
-  add(mean.y, square.y);
-  add(mean.z, square.z);
-  return expected.contrast * clamp(2 - least / T(kFarCount / 2), T(0), T(1));
-}
-
 // Var[T] = <N> E[Y^2] mirror^2, the compound Poisson law; less <N>^2 E[Y]^2/k for a binomial count.
-// Of both, what is left of the fluctuation, squared.
+// `contrast` (ours): the share of the fluctuation that the paint shows.
 template <class T>
-Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected) {
-  const T left = fluctuation_left(expected);
+Rgb<T> radiance_variance(const ExpectedSparkles<T>& expected, T contrast = 1) {
   Rgb<T> variance = mean_square_sparkle(expected) * expected.mean_count;
   if (expected.slots > 0) {
     const Rgb<T> mean = mean_sparkle(expected) * expected.mean_count;
     variance = variance - mean * mean / static_cast<T>(expected.slots);
   }
   // One place always taken has no variance, which rounding may leave below 0.
-  variance = map(variance, [](T v) { return max(v, T(0)); });
-  return expected.mirror * (expected.mirror * (variance * (left * left)));
+  variance = map(variance, [&](T v) { return max(v, T(0)) * (contrast * contrast); });
+  return expected.mirror * (expected.mirror * variance);
 }
 
 }  // namespace metallic_paint

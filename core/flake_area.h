@@ -14,55 +14,70 @@
 
 namespace metallic_paint {
 
-template <class T>
-struct AreaMoments {
-  T mean, square, cube;  // E[X], E[X^2], E[X^3]
-};
-
 // Deviates further out than this are below the rounding of every number type in use.
 inline constexpr double kNormalReach = 8.5;
 
+// E[X].
 template <class T>
-AreaMoments<T> area_moments(T spread) {
-  const T variance = spread * spread;
-  if (spread * T(kNormalReach) <= 1) return {1, 1 + variance, 1 + 3 * variance};
+T area_mean(T spread) {
+  if (spread * T(kNormalReach) <= 1) return 1;
   const T density = normal_density(1 / spread);
-  const T positive = normal_cdf(1 / spread, density);
-  const T edge = spread * density;
-  return {positive + edge, (1 + variance) * positive + edge,
-          (1 + 3 * variance) * positive + (1 + 2 * variance) * edge};
+  return normal_cdf(1 / spread, density) + spread * density;
 }
 
-// E[min(X, cap)^n], n = 1, 2, 3: flakes seen through a pixel that `cap` mean areas would
-// fill. Relative error: double 1e-14, float 2e-6.
+// E[X^2]/E[X]^2.
 template <class T>
-AreaMoments<T> capped_area_moments(T spread, T cap, AreaMoments<T> whole) {
+T area_square(T spread) {
+  const T variance = spread * spread;
+  if (spread * T(kNormalReach) <= 1) return 1 + variance;
+  const T density = normal_density(1 / spread);
+  const T positive = normal_cdf(1 / spread, density), edge = spread * density;
+  const T mean = positive + edge;
+  return ((1 + variance) * positive + edge) / (mean * mean);
+}
+
+// E[min(X, cap)], of flakes seen through a pixel that `cap` mean areas would fill; `whole` is E[X].
+// Relative error: double 1e-14, float 2e-6.
+template <class T>
+T capped_area_mean(T spread, T cap, T whole) {
   if (cap >= 1 + spread * T(kNormalReach)) return whole;
-  if (spread * T(kNormalReach) <= 1 - cap) return {cap, cap * cap, cap * cap * cap};
+  if (spread * T(kNormalReach) <= 1 - cap) return cap;
   if (cap < spread) {
-    // integral over x from 0 to cap of n x^(n-1) P(X > x): the closed form below is a small
-    // difference of large terms here.
+    // integral over x from 0 to cap of P(X > x): the closed form below is a small difference of
+    // large terms here.
     const GaussRule<T>& rule = gauss_rule<T>();
-    T mean = 0, square = 0, cube = 0;
+    T mean = 0;
     for (int i = 0; i < kGaussPoints<T>; ++i) {
-      const T x = cap * rule.node[i];
-      const T term = rule.weight[i] * normal_cdf((1 - x) / spread);
-      mean = mean + term;
-      square = square + term * x;
-      cube = cube + term * x * x;
+      mean = mean + rule.weight[i] * normal_cdf((1 - cap * rule.node[i]) / spread);
     }
-    return {cap * mean, 2 * cap * square, 3 * cap * cube};
+    return cap * mean;
   }
-  // E[X^n] - E[(X^n - cap^n)+].
+  // E[X] - E[(X - cap)+].
   const T d = (1 - cap) / spread;
   const T density = normal_density(d);
-  const T above = normal_cdf(d, density);
-  const T edge = spread * density;
-  const T variance = spread * spread, cap2 = cap * cap;
-  return {whole.mean - ((1 - cap) * above + edge),
-          whole.square - ((1 + variance - cap2) * above + (1 + cap) * edge),
-          whole.cube -
-              ((1 + 3 * variance - cap2 * cap) * above + (1 + cap + cap2 + 2 * variance) * edge)};
+  return whole - ((1 - cap) * normal_cdf(d, density) + spread * density);
+}
+
+// E[min(X, cap)^2].
+template <class T>
+T capped_area_square(T spread, T cap) {
+  const T variance = spread * spread;
+  if (spread * T(kNormalReach) <= 1 - cap) return cap * cap;
+  if (cap < spread) {
+    const GaussRule<T>& rule = gauss_rule<T>();
+    T square = 0;
+    for (int i = 0; i < kGaussPoints<T>; ++i) {
+      const T x = cap * rule.node[i];
+      square = square + rule.weight[i] * normal_cdf((1 - x) / spread) * x;
+    }
+    return 2 * cap * square;
+  }
+  const T mean = area_mean(spread), whole = area_square(spread) * mean * mean;
+  if (cap >= 1 + spread * T(kNormalReach)) return whole;
+  const T d = (1 - cap) / spread;
+  const T density = normal_density(d);
+  return whole -
+         ((1 + variance - cap * cap) * normal_cdf(d, density) + (1 + cap) * (spread * density));
 }
 
 }  // namespace metallic_paint

@@ -22,11 +22,12 @@ namespace metallic_paint {
 // One species of flakes. SI units.
 template <class T>
 struct Flakes {
-  T areal_density{};      // D H, flakes per m2 of paint
-  T flake_area{};         // mean of the area's normal deviate, m2
-  T area_spread{};        // its standard deviation over its mean
-  AreaMoments<T> area{};  // moments of the area in units of flake_area
-  T coverage{};           // D H <S>
+  T areal_density{};  // D H, flakes per m2 of paint
+  T flake_area{};     // mean of the area's normal deviate, m2
+  T area_spread{};    // its standard deviation over its mean
+  T area_mean{};      // mean of the area in units of flake_area
+  T area_square{};    // mean of its square over the mean's
+  T coverage{};       // D H <S>
   OrientationDensity<T> orientation{};
   T solid_angle{};  // pi epsilon^2: what the flake itself adds to the light's cone, sr in the
                     // binder
@@ -84,8 +85,9 @@ Flakes<T> make_flakes(const FlakeSpecies& species, T eta, Diffraction diffractio
   const T diameter = diameter_um * T(1e-6);
   flakes.flake_area = T(0.785398163397448309616L) * (diameter * diameter);
   flakes.area_spread = static_cast<T>(species.flake_area_spread);
-  flakes.area = area_moments(flakes.area_spread);
-  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
+  flakes.area_mean = area_mean(flakes.area_spread);
+  flakes.area_square = area_square(flakes.area_spread);
+  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area_mean;
   flakes.orientation = make_orientation(species.orientation, static_cast<T>(species.tilt));
   // Light that comes through the surface lies higher, and meets no flake's back.
   if (flakes.orientation.back_cosine <= critical_cosine(eta)) flakes.orientation.back_cosine = 0;

@@ -31,11 +31,13 @@ struct SeenLight {
   Vec3<Wide<T>> direction;   // unit
   Wide<T> sin2_half_radius;  // h
   bool visible = false;
-  T reach{};               // half-angle of the cone about the direction that holds all of it
-  T breadth{};             // sine of that half-angle of a light that melts into the mean
-  T apart = 1;             // 0: where another light is so near that it has melted
-  Vec3<Wide<T>> facing{};  // unit normal of a flat light
-  Wide<T> radius{};        // of the disc of its area, in distances; 0: no flat light
+  T reach{};  // half-angle of the cone about the direction that holds all of it
+  T widest =
+      std::numbers::pi_v<T> / 2;  // that of the widest cone which holds no other listed light
+  T breadth{};                    // sine of that half-angle of a light that melts into the mean
+  T apart = 1;                    // 0: where another light is so near that it has melted
+  Vec3<Wide<T>> facing{};         // unit normal of a flat light
+  Wide<T> radius{};               // of the disc of its area, in distances; 0: no flat light
 };
 
 // Two listed lights closer together than this (plus their radii) are one to the shader: Cycles'
@@ -131,66 +133,38 @@ T angle_between(const SeenLight<T>& a, const SeenLight<T>& b) {
 
 inline constexpr int kLightSlots = 8;
 
-// Half-angle of the cone about the leader that holds all lights of its group.
+// Of lights so near that no two cones tell them apart the first one's cone, and so its sparkles,
+// serves all: leader[i] is its index. On entry leader[i] is i, or below 0 where a light takes no
+// part. Area lights share no cone: they melt beside other lights, and one of which nothing sparkles
+// in the flakes turned widest (`turned`: the largest 2 eta tilt) takes no part. Every cone ends at
+// half the gap to the nearest other light.
 template <class T>
-T group_reach(const SeenLight<T>* seen, const int* leader, int count, int group) {
-  T reach = seen[group].reach;
-  for (int i = 0; i < count; ++i) {
-    if (leader[i] != group || i == group) continue;
-    reach = max(reach, angle_between(seen[group], seen[i]) + seen[i].reach);
-  }
-  return reach;
-}
-
-// Lights that no two cones can tell apart share the cone, and so the sparkles, of the first of
-// them, the leader. Groups are joined until no group's cone comes within the least gap of another
-// group's light. leader[i] is the index of light i's leader; below 0 on entry it marks a light that
-// takes no part.
-template <class T>
-void group_lights(const SeenLight<T>* seen, int* leader, int count) {
-  bool joined = true;
-  while (joined) {  // each pass but the last joins two groups: at most `count` passes
-    joined = false;
-    for (int group = 0; group < count && !joined; ++group) {
-      if (leader[group] != group) continue;
-      const T reach = group_reach(seen, leader, count, group) + T(kLeastGap);
-      for (int i = 0; i < count && !joined; ++i) {
-        if (leader[i] < 0 || leader[i] == group) continue;
-        if (angle_between(seen[group], seen[i]) - seen[i].reach >= reach) continue;
-        const int first = min(group, leader[i]);
-        const int second = max(group, leader[i]);
-        for (int k = 0; k < count; ++k) {
-          if (leader[k] == second) leader[k] = first;
-        }
-        joined = true;
-      }
+void share_cones(SeenLight<T>* seen, int* leader, int count, T turned) {
+  for (int i = 1; i < count; ++i) {
+    for (int k = 0; k < i; ++k) {
+      if (leader[i] != i || leader[k] != k || seen[i].breadth > 0 || seen[k].breadth > 0) continue;
+      const T angle = angle_between(seen[i], seen[k]);
+      if (angle - seen[i].reach >= seen[k].reach + T(kLeastGap)) continue;
+      leader[i] = k;
+      seen[k].reach = max(seen[k].reach, angle + seen[i].reach);
     }
   }
-}
-
-// A light that melts shares no cone: the lights that do not are grouped first. One that sparkles in
-// the flakes turned widest (`turned`: the largest 2 eta tilt) leads itself. On entry kStandsAside
-// marks those that are there, and stays with those that have melted.
-inline constexpr int kStandsAside = -2;
-template <class T>
-void admit_melting(SeenLight<T>* seen, int* leader, int count, T turned) {
   for (int i = 0; i < count; ++i) {
-    if (!(seen[i].breadth > 0) || leader[i] != kStandsAside) continue;
+    if (leader[i] != i) continue;
     T gap = std::numbers::pi_v<T>;
     for (int k = 0; k < count; ++k) {
-      if (k == i) continue;
-      T reach = 0;
-      if (leader[k] == k) {
-        reach = group_reach(seen, leader, count, k);
-      } else if (leader[k] == kStandsAside) {
-        reach = seen[k].reach;
-      } else {
-        continue;
-      }
-      gap = min(gap, angle_between(seen[i], seen[k]) - reach);
+      if (k == i || leader[k] < 0 || leader[k] == i) continue;
+      gap = min(gap, angle_between(seen[i], seen[k]) - seen[k].reach - seen[i].reach);
     }
-    seen[i].apart = clamp((gap - seen[i].reach - T(kLeastGap)) / T(kMeltingGap), T(0), T(1));
-    if (sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0) leader[i] = i;
+    seen[i].widest = seen[i].reach + max(gap, T(0)) / 2;
+    if (seen[i].breadth > 0) {
+      seen[i].apart = clamp((gap - T(kLeastGap)) / T(kMeltingGap), T(0), T(1));
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    if (seen[i].breadth > 0 && !(sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0)) {
+      leader[i] = -1;
+    }
   }
 }
 

@@ -14,7 +14,7 @@
 
 namespace metallic_paint {
 
-// What the shader finds for all light slots at one point. leader: see group_lights; -1 for a light
+// What the shader finds for all light slots at one point. leader: see share_cones; -1 for a light
 // that is unused, below the horizon, or has melted. At most kLightSlots lights.
 template <class T>
 struct SlotView {
@@ -33,12 +33,10 @@ SlotView<T> view_slots(const std::vector<Light<T>>& lights, const SurfacePoint<T
     const auto at = static_cast<std::size_t>(i);
     slots.seen[at] = see_light(lights[at], point.position);
     if (slots.seen[at].visible && dot(Vec3<Wide<T>>(point.normal), slots.seen[at].direction) > 0) {
-      slots.leader[at] = slots.seen[at].breadth > 0 ? kStandsAside : i;
+      slots.leader[at] = i;
     }
   }
-  group_lights(slots.seen.data(), slots.leader.data(), count);
-  admit_melting(slots.seen.data(), slots.leader.data(), count, turned);
-  for (int& leader : slots.leader) leader = std::max(leader, -1);
+  share_cones(slots.seen.data(), slots.leader.data(), count, turned);
   return slots;
 }
 

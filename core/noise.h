@@ -6,27 +6,19 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "random.h"
 #include "vector.h"
 
 namespace metallic_paint {
 
-// lookup3's final mixing of three words.
+// lookup3 of three words.
 inline std::uint32_t lattice_hash(int x, int y, int z) {
   constexpr std::uint32_t start = 0xdeadbeefu + (3u << 2) + 13u;
-  std::uint32_t a = start + static_cast<std::uint32_t>(x);
-  std::uint32_t b = start + static_cast<std::uint32_t>(y);
-  std::uint32_t c = start + static_cast<std::uint32_t>(z);
-  c = (c ^ b) - std::rotl(b, 14);
-  a = (a ^ c) - std::rotl(c, 11);
-  b = (b ^ a) - std::rotl(a, 25);
-  c = (c ^ b) - std::rotl(b, 16);
-  a = (a ^ c) - std::rotl(c, 4);
-  b = (b ^ a) - std::rotl(a, 14);
-  return (c ^ b) - std::rotl(b, 24);
+  return lookup3_final(start + static_cast<std::uint32_t>(x), start + static_cast<std::uint32_t>(y),
+                       start + static_cast<std::uint32_t>(z));
 }
 
 // The product of (x, y, z) with the direction to one of a cube's edges, by the hash's last 4 bits.

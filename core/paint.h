@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A metallic paint as artists and presets state it (parameters.h): its checks, and those of other
-// input; its streams of deviates.
+// input.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 
 #include "light.h"
 #include "parameters.h"
-#include "random.h"
 #include "vector.h"
 
 namespace metallic_paint {
@@ -28,10 +26,5 @@ void validate_eta(double eta);
 void validate_beta(double beta);
 void validate_direction(const std::string& field, std::size_t row, Vec3<double> direction);
 void validate_int32(const std::string& field, std::size_t row, double value);
-
-// The stream of deviates of a light slot and a species (both 0-based) in this paint.
-inline HashWords paint_stream(const Paint& paint, int light, int species = 0) {
-  return stream_key(light, species, paint.frame, paint.seed);
-}
 
 }  // namespace metallic_paint

@@ -1,69 +1,96 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random numbers by hash of integers: the same bits in C++ and in OSL, no state, no order of
-// evaluation.
+// Random numbers by hash: Bob Jenkins' lookup3 (2006) on the bits of four floats, which is
+// Blender's White Noise node and OSL's noise("hash"), the same bits everywhere. No state, no order
+// of evaluation.
+//
+// What is hashed are whole numbers from 0 to 2^23: a key of three below 2^22, to which cells of the
+// paint or pixels are added modulo 2^22, and a word more. A float holds them exactly, and no device
+// has another bit pattern of theirs: a zero is never negative.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
+
+#include "vector.h"
 
 namespace metallic_paint {
 
-struct HashWords {
-  std::uint32_t x, y, z, w;
-};
-
-// pcg4d (Jarzynski and Olano, JCGT 9(3), 2020): four words into four, a bijection of 128 bits.
-inline HashWords pcg4d(HashWords v) {
-  v.x = v.x * 1664525u + 1013904223u;
-  v.y = v.y * 1664525u + 1013904223u;
-  v.z = v.z * 1664525u + 1013904223u;
-  v.w = v.w * 1664525u + 1013904223u;
-  for (int round = 0; round < 2; ++round) {
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-    if (round == 0) {
-      v.x ^= v.x >> 16;
-      v.y ^= v.y >> 16;
-      v.z ^= v.z >> 16;
-      v.w ^= v.w >> 16;
-    }
-  }
-  return v;
+// lookup3's final mixing of three words.
+inline std::uint32_t lookup3_final(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  c = (c ^ b) - std::rotl(b, 14);
+  a = (a ^ c) - std::rotl(c, 11);
+  b = (b ^ a) - std::rotl(a, 25);
+  c = (c ^ b) - std::rotl(b, 16);
+  a = (a ^ c) - std::rotl(c, 4);
+  b = (b ^ a) - std::rotl(a, 14);
+  return (c ^ b) - std::rotl(b, 24);
 }
 
-// What tells one stream of deviates from another, hashed once per light and paint.
-inline HashWords stream_key(int light, int species, int frame, int seed) {
-  return pcg4d({static_cast<std::uint32_t>(light), static_cast<std::uint32_t>(species),
-                static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(seed)});
+// Of four words.
+inline std::uint32_t lookup3(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t w) {
+  constexpr std::uint32_t start = 0xdeadbeefu + (4u << 2) + 13u;
+  std::uint32_t a = start + x, b = start + y, c = start + z;
+  a = (a - c) ^ std::rotl(c, 4);
+  c += b;
+  b = (b - a) ^ std::rotl(a, 6);
+  a += c;
+  c = (c - b) ^ std::rotl(b, 8);
+  b += a;
+  a = (a - c) ^ std::rotl(c, 16);
+  c += b;
+  b = (b - a) ^ std::rotl(a, 19);
+  a += c;
+  c = (c - b) ^ std::rotl(b, 4);
+  b += a;
+  return lookup3_final(a + w, b, c);
 }
 
-// The words of draw number `draw` in pixel (x, y) of a stream; any int is a valid coordinate.
-inline HashWords draw_words(HashWords key, int x, int y, int draw) {
-  return pcg4d({static_cast<std::uint32_t>(x) ^ key.x, static_cast<std::uint32_t>(y) ^ key.y, key.z,
-                key.w + static_cast<std::uint32_t>(draw)});
+// The node's Value, in [0, 1]: multiples of 2^-32 as a float holds them.
+inline float hash_value(float x, float y, float z, float w) {
+  return static_cast<float>(
+             lookup3(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y),
+                     std::bit_cast<std::uint32_t>(z), std::bit_cast<std::uint32_t>(w))) *
+         0x1p-32f;
 }
 
-// A uniform deviate in (0, 1] from two words: multiples of 2^-48 plus half a step. A float keeps 24
-// significant bits of it, so small values are as fine as 2^-49: probabilities of 1e-9 and below are
-// met.
+// A uniform deviate in (0, 1): 0 is read as half a step, 1 as what lies before it.
+inline float uniform_deviate(float x, float y, float z, float w) {
+  return clamp(hash_value(x, y, z, w), 0x1p-33f, 1 - 0x1p-24f);
+}
+
+using Deviates = Vec3<float>;  // three uniform ones
+using HashKey = Vec3<float>;   // whole numbers from 0 to 2^22 - 1
+
+// The node's Color.
+inline Deviates uniform_deviates(HashKey at, float w) {
+  return {uniform_deviate(at.x, at.y, at.z, w), uniform_deviate(at.z, at.x, w, at.y),
+          uniform_deviate(w, at.z, at.y, at.x)};
+}
+
+inline HashKey hashed(HashKey at, float w) {
+  return map(uniform_deviates(at, w), [](float u) { return std::floor(u * 4194304.0f); });
+}
+
+// A whole number modulo 2^22.
+inline float wrapped(int whole) { return static_cast<float>(whole & 4194303); }
 template <class T>
-T uniform_48(std::uint32_t high, std::uint32_t low) {
-  const T step = T(1) / 16777216;
-  return (static_cast<T>(high >> 8) + (static_cast<T>(low >> 8) + T(0.5)) * step) * step;
+float wrapped(T whole) {
+  const T bounded = clamp(whole, T(-1e30), T(1e30));
+  return static_cast<float>(bounded - floor(bounded * T(0x1p-22)) * T(4194304));
 }
 
-// A uniform deviate in (0, 1) from one word, exact in float: (multiples of 2^-23) + 2^-24.
-template <class T>
-T uniform_23(std::uint32_t word) {
-  return (static_cast<T>(word >> 9) + T(0.5)) * (T(1) / 8388608);
+// What tells one stream of deviates from another. Numbers that differ by a multiple of 2^22 are
+// one.
+inline HashKey stream_key(int kind, int instance, int frame, int seed) {
+  return hashed({wrapped(kind), wrapped(instance), wrapped(frame)}, wrapped(seed));
 }
 
-// Likewise from the lower half of a word: (multiples of 2^-16) + 2^-17.
-template <class T>
-T uniform_16(std::uint32_t word) {
-  return (static_cast<T>(word & 65535u) + T(0.5)) * (T(1) / 65536);
+// The key of a pixel.
+inline HashKey pixel_key(HashKey stream, int x, int y, int number) {
+  return hashed(stream + HashKey{wrapped(x), wrapped(y), 0}, wrapped(number));
 }
 
 }  // namespace metallic_paint

@@ -50,57 +50,66 @@ namespace metallic_paint {
 // Their sparkles are independent; together too they do not exceed the largest ceiling.
 template <class T>
 struct PixelSparkles {
-  std::array<ExpectedSparkles<T>, kSpecies> expected{};
-  std::array<T, kSpecies> count{};
-  Rgb<T> radiance{}, mean_radiance{}, variance{};  // of all species
+  int slots = 0;  // of the first species' count
+  T count{}, mean_count{};
+  Rgb<T> radiance{}, mean_radiance{}, variance{};
 };
+
+// The cell of the surface whose species are counted; no light has a part in it.
+template <class T>
+Cell<T> cell_of_counts(const Layer<T>& layer, const SurfacePoint<T>& point,
+                       const std::array<FirstFlake<T>, kSpecies>& firsts, int frame, int seed) {
+  T least = 0;
+  for (int i = 0; i < layer.species; ++i) {
+    const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
+    if (firsts[static_cast<std::size_t>(i)].close || !(flakes.coverage > 0)) continue;
+    least = max(least, flakes.flake_area * flakes.area_mean);
+  }
+  return find_cell(point, layer.cell_share, least,
+                   own_stream(layer, point.own, kFlakeStream, frame, seed));
+}
 
 template <class T>
 PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
-                         const std::array<FirstFlake<T>, kSpecies>& firsts, const Passage<T>& way,
-                         int light, int frame, int seed) {
+                         const std::array<FirstFlake<T>, kSpecies>& firsts, const Cell<T>& cell,
+                         const Passage<T>& way, int light, int frame, int seed) {
   PixelSparkles<T> all;
+  T area = point.footprint;
+  HashKey key{};
+  if (layer.anchor == Anchor::pixel) {
+    key = pixel_key(stream_key(kFlakeStream, light, frame, seed), point.pixel_x, point.pixel_y, 0);
+  } else if (way.open) {
+    area = cell.area;
+    key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
+                       static_cast<T>(quarter_cone(cone_in_binder(layer.flakes[0], way), way)));
+  }
+  const T left = layer.sparkle_contrast;
   T ceiling = 0;
   for (int i = 0; i < layer.species; ++i) {
     const std::size_t at = static_cast<std::size_t>(i);
     const Flakes<T>& flakes = layer.flakes[at];
     const FirstFlake<T>& first = firsts[at];
-    T area = point.footprint;
-    HashWords key{};
-    int x = 0, y = 0;
-    if (layer.anchor == Anchor::pixel) {
-      key = stream_key(light, i, frame, seed);
-      x = point.pixel_x;
-      y = point.pixel_y;
-    } else if (way.open && !first.close) {
-      const Cell<T> cell = find_cell(point, layer.cell_share, flakes.flake_area * flakes.area.mean,
-                                     own_stream(layer, point.own, i, frame, seed));
-      const Wide<T> cone = quarter_cone(cone_in_binder(flakes, way), way);
-      area = cell.area;
-      key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
-                         static_cast<T>(cone));
-    }
-    ExpectedSparkles<T> expected = expect_sparkles(layer, flakes, area, way);
+    ExpectedSparkles<T> expected =
+        expect_sparkles(layer, flakes, first.close ? point.footprint : area, way);
     const Rgb<T> mean = mean_radiance(expected);
-    const Rgb<T> variance = first.close ? flake_radiance_variance(layer, first, expected, way)
-                                        : radiance_variance(expected);
     Sparkles<T> drawn;
-    const T left = layer.sparkle_contrast;
-    if (first.close && left > 0) {
-      if (mirrors(flakes, first, way)) {
+    if (first.close) {
+      all.variance = all.variance + flake_radiance_variance(layer, first, expected, way);
+      if (left > 0 && mirrors(flakes, first, way)) {
         drawn.count = 1;
-        drawn.radiance = flake_radiance(layer, first, expected, way);
+        drawn.radiance = flake_radiance(layer, first, expected, way) * left;
       }
-      if (left < 1) drawn.radiance = drawn.radiance * left + mean * (1 - left);
+      drawn.radiance = drawn.radiance + mean * (1 - left);
       expected = expect_close(layer, flakes, first, expected, way);
     } else {
-      drawn = draw_sparkles(expected, flakes.area_spread, key, x, y);
+      all.variance = all.variance + radiance_variance(expected, left);
+      drawn = draw_sparkles(expected, key, left, kDeviatesOfSpecies * i);
     }
-    all.expected[at] = expected;
-    all.count[at] = drawn.count;
+    if (i == 0) all.slots = expected.slots;
+    all.count = all.count + drawn.count;
+    all.mean_count = all.mean_count + expected.mean_count;
     all.radiance = all.radiance + drawn.radiance;
     all.mean_radiance = all.mean_radiance + mean;
-    all.variance = all.variance + variance;
     ceiling = max(ceiling, expected.ceiling);
   }
   all.radiance = map(all.radiance, [&](T t) { return min(t, ceiling); });

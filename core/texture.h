@@ -34,12 +34,17 @@ T texture_factor(T contrast, T footprint, T w) {
 // lights'.
 inline constexpr int kTextureStream = kLightSlots + 1;
 
+template <class T>
+T texture_deviate(HashKey key) {
+  return normal_quantile(static_cast<T>(uniform_deviate(key.x, key.y, key.z, 0)));
+}
+
 // The factor of a pixel.
 template <class T>
 T pixel_texture(T contrast, T footprint, int pixel_x, int pixel_y, int frame, int seed) {
-  const HashWords words =
-      draw_words(stream_key(kTextureStream, 0, frame, seed), pixel_x, pixel_y, 0);
-  return texture_factor(contrast, footprint, normal_quantile(uniform_48<T>(words.x, words.y)));
+  return texture_factor(contrast, footprint,
+                        texture_deviate<T>(pixel_key(stream_key(kTextureStream, 0, frame, seed),
+                                                     pixel_x, pixel_y, 0)));
 }
 
 // The factor of the point's pixel, or of its cell of the surface.
@@ -50,8 +55,7 @@ T texture_at(const Layer<T>& layer, const SurfacePoint<T>& point, T contrast, in
   }
   const Cell<T> cell = find_cell(point, layer.cell_share, T(0),
                                  own_stream(layer, point.own, kTextureStream, frame, seed));
-  return texture_factor(contrast, cell.area,
-                        normal_quantile(uniform_48<T>(cell.key.x, cell.key.y)));
+  return texture_factor(contrast, cell.area, texture_deviate<T>(cell.key));
 }
 
 }  // namespace metallic_paint

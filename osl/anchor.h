@@ -13,25 +13,19 @@
 #define ROW 8.0
 #define COLUMN 16.0
 
+#define FLAKE_STREAM 0
+
 struct Cell {
   float area;
-  HashWords key;
+  vector key;
 };
 
-HashWords own_stream(Layer layer, OwnSpace own, int kind, int frame, int seed)
+vector own_stream(Layer layer, OwnSpace own, int kind, int frame, int seed)
 {
   int instance = 0;
   if (layer.instances == INSTANCES_OWN)
     instance = own.instance;
-  return stream_key(instance, kind, frame, seed);
-}
-
-int lattice_word(float cell)
-{
-  float bounded = clamp(cell, -1e30, 1e30);
-  float high = floor(bounded * 5.96046448e-8);
-  float low = bounded - high * 16777216.0;
-  return (int)low + (int)clamp(high, -1e9, 1e9) * -1640531535;
+  return stream_key(kind, instance, frame, seed);
 }
 
 struct Octave {
@@ -51,17 +45,22 @@ Octave octave_of(float size)
   return octave;
 }
 
-Octave settled(Octave given, float size, int word)
+Octave settled(Octave given, float size, float u)
 {
   Octave octave = given;
-  if (!(uniform_23(word) < 2.0 * size / given.side - 1.0)) {
+  if (!(u < 2.0 * size / given.side - 1.0)) {
     octave.level = given.level - 1;
     octave.side = given.side * 0.5;
   }
   return octave;
 }
 
-Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
+float lattice_word(int what, int level, int other_level, int face)
+{
+  return (float)(((what * 128 + level + 64) * 128 + other_level + 64) * 8 + face);
+}
+
+Cell find_cell(SurfacePoint surface, float share, float least, vector stream)
 {
   OwnSpace own = surface.own;
   float cosine = inner_product(surface.n, surface.view);
@@ -103,9 +102,9 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
     Octave parent = octave_of(sizes[i]);
     if (i == 0)
       row = floor(along / parent.side);
-    HashWords words = pcg4d(lattice_word(floor(crosswise / parent.side)) ^ stream.x, lattice_word(row) ^ stream.y,
-                            stream.z + i, stream.w + ((level[0] * 256 + parent.level) * 8 + plane.face));
-    Octave own_side = settled(parent, sizes[i], words.x);
+    float u = uniform_deviate(stream[0] + wrapped(floor(crosswise / parent.side)), stream[1] + wrapped(row), stream[2],
+                      lattice_word(i + 1, level[0], parent.level, plane.face));
+    Octave own_side = settled(parent, sizes[i], u);
     side[i] = own_side.side;
     level[i] = own_side.level;
     if (i == 0) {
@@ -127,22 +126,22 @@ Cell find_cell(SurfacePoint surface, float share, float least, HashWords stream)
   Cell cell;
   cell.area = side[0] * side[1] / facing;
   float column = COLUMN * max(side[0], side[1]);
-  int kind = (level_u * 256 + level_v) * 8 + plane.face;
-  cell.key = pcg4d(lattice_word(place_u) ^ stream.x, lattice_word(place_v) ^ stream.y,
-                   lattice_word(floor(w / column)) ^ stream.z, stream.w + kind);
+  vector at = vector(wrapped(place_u), wrapped(place_v), wrapped(floor(w / column)));
+  cell.key = hashed(stream + at, lattice_word(0, level_u, level_v, plane.face));
   return cell;
 }
 
-int normal_place(float x, float side, int offset)
+float normal_place(float x, float side, float offset)
 {
-  return (int)floor(x / side + uniform_23(offset));
+  return wrapped(floor(x / side + offset * 2.38418579e-7));
 }
 
-HashWords about_normal(HashWords cell, vector n, float sin2_half_rho)
+vector about_normal(vector cell, vector n, float sin2_half_rho)
 {
   float radius = 2.0 * sqrt(sin2_half_rho);
   float side = clamp(NORMAL_CELL * radius, 1e-6, 2.0);
-  Octave octave = settled(octave_of(side), side, cell.w);
-  return pcg4d(cell.x ^ normal_place(n[0], octave.side, cell.x), cell.y ^ normal_place(n[1], octave.side, cell.y),
-               cell.z ^ normal_place(n[2], octave.side, cell.z), cell.w + octave.level);
+  Octave octave = settled(octave_of(side), side, uniform_deviate(cell[0], cell[1], cell[2], 0.0));
+  vector at = vector(normal_place(n[0], octave.side, cell[0]), normal_place(n[1], octave.side, cell[1]),
+                     normal_place(n[2], octave.side, cell[2]));
+  return hashed(cell + at, (float)(octave.level + 64));
 }

@@ -22,6 +22,8 @@
 #define LEAST_IN_CELL 0.5
 #define BLOCK_SIDE 12.0
 #define MOST_IN_CELL 64
+#define CLOSE_COLUMN 256.0
+#define CLOSE_STREAM 1
 #define MOST_PASSED 0.9
 
 #define FLATTEST_VIEW 0.25
@@ -29,6 +31,8 @@
 struct LatticePoint {
   float a;
   float b;
+  float c;
+  int face;
   vector towards_a;
   vector towards_b;
 };
@@ -110,17 +114,17 @@ struct DrawnFlake {
   int covers;
 };
 
-DrawnFlake draw_flake(Flakes flakes, float most_weight, float off_along, float off_across, vector inside, HashWords words)
+DrawnFlake draw_flake(Flakes flakes, float most_weight, float off_along, float off_across, vector inside, vector tilted,
+                      vector shaped)
 {
   DrawnFlake flake;
   flake.m = vector(0.0);
   flake.facing = 0.0;
   flake.covers = 0;
-  HashWords more = pcg4d(words.x, words.y, words.z, words.w);
-  SampledTilt tilt = sample_tilt(flakes.orientation, uniform_23(more.x));
-  if (uniform_23(more.y) * most_weight >= tilt.weight)
+  SampledTilt tilt = sample_tilt(flakes.orientation, tilted[0]);
+  if (tilted[1] * most_weight >= tilt.weight)
     return flake;
-  Turn azimuth = turn_by(uniform_23(more.z));
+  Turn azimuth = turn_by(tilted[2]);
   float h = tilt.sin2_half_beta;
   float cos_beta = 1.0 - 2.0 * h;
   float sin_beta = 2.0 * sqrt(h * (1.0 - h));
@@ -132,16 +136,17 @@ DrawnFlake draw_flake(Flakes flakes, float most_weight, float off_along, float o
   float aside = inside[1] * azimuth.cosine - inside[0] * azimuth.sine;
   float most = MOST_STRETCH;
   float least = 1.0 / MOST_STRETCH;
-  float stretch = least + (most - least) * uniform_16(more.w >> 16);
-  float shear = MOST_SHEAR * (2.0 * uniform_16(more.w) - 1.0);
+  float stretch = least + (most - least) * shaped[1];
+  int mirrored = shaped[2] < 0.5;
+  float shear = MOST_SHEAR * (4.0 * shaped[2] - (mirrored ? 1.0 : 3.0));
   float x = run * inside[2] * stretch;
   float y = (off_across * azimuth.cosine - off_along * azimuth.sine - run * (aside * sin_beta)) / stretch + shear * x;
-  if ((more.x & 1) != 0)
+  if (mirrored)
     y = -y;
   float edge = outline(x, y);
   float area = 1.0;
   if (flakes.area_spread > 0.0) {
-    float deviate = min(normal_quantile(uniform_23(words.w)), MOST_DEVIATION);
+    float deviate = min(normal_quantile(shaped[0]), MOST_DEVIATION);
     area = max(1.0 + flakes.area_spread * deviate, 0.0);
   }
   flake.covers = edge * edge < area * flakes.flake_area;
@@ -163,7 +168,7 @@ FirstFlake no_flake()
 }
 
 FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, vector inside, float cos_in, float area,
-                       LatticePoint at, float size, HashWords key)
+                       LatticePoint at, float size, vector key)
 {
   FirstFlake first = no_flake();
   first.passed = passed_over(flakes, library);
@@ -171,16 +176,15 @@ FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, ve
   if (!(first.hiding > 0.0))
     return first;
   float block = BLOCK_SIDE * sqrt(flakes.flake_area);
-  HashWords decided = pcg4d(lattice_word(floor(at.a / block)) ^ key.x, lattice_word(floor(at.b / block)) ^ key.y,
-                            key.z, key.w);
-  first.close = size < 1.0 + uniform_23(decided.x);
+  first.close = size < 1.0 + uniform_deviate(key[0] + wrapped(floor(at.a / block)), key[1] + wrapped(floor(at.b / block)),
+                                             key[2], (float)at.face);
   if (!first.close)
     return first;
   TangentFrame frame = tangent_frame(n, at);
   vector v = vector(inner_product(inside, frame.along), inner_product(inside, frame.across), cos_in);
 
   float most = most_tilt_weight(flakes.orientation);
-  float enlarged = flakes.area.mean / (flakes.area.mean - CUT_DEVIATION * flakes.area_spread);
+  float enlarged = flakes.area_mean / (flakes.area_mean - CUT_DEVIATION * flakes.area_spread);
   float density = flakes.areal_density * enlarged * most;
   float radius = OUTLINE_REACH * sqrt(flakes.flake_area * (1.0 + MOST_DEVIATION * flakes.area_spread));
   float reach = radius / max(cos_in, FLATTEST_VIEW);
@@ -192,15 +196,14 @@ FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, ve
   float y = clamp(at.b / side, -1e30, 1e30);
   float column = floor(x);
   float row = floor(y);
-  int place_x = lattice_word(floor((x - column) * 8388608.0));
-  int place_y = lattice_word(floor((y - row) * 8388608.0));
+  vector place = vector(wrapped(floor((x - column) * 4194304.0)), wrapped(floor((y - row) * 4194304.0)), 0.0);
+  float sheet = wrapped(floor(at.c / (CLOSE_COLUMN * side)));
   vector m = vector(0.0);
   for (int k = 0; k < 9; ++k) {
     int of_nine = (k + 4) % 9;
     float right = (float)(of_nine % 3 - 1);
     float up = (float)(of_nine / 3 - 1);
-    int cell_x = lattice_word(column + right) ^ key.x;
-    int cell_y = lattice_word(row + up) ^ key.y;
+    vector cell = key + vector(wrapped(column + right), wrapped(row + up), sheet);
     float from_x = x - column - right;
     float from_y = y - row - up;
     float gap = max(max(-from_x, from_x - 1.0), max(-from_y, from_y - 1.0));
@@ -208,20 +211,22 @@ FirstFlake first_flake(Layer layer, Flakes flakes, float library[], vector n, ve
       continue;
     float depth = 0.0;
     for (int number = 1; number <= MOST_IN_CELL; ++number) {
-      HashWords words = pcg4d(cell_x, cell_y, key.z, key.w + number);
-      depth = depth - logarithm(uniform_23(words.x)) / in_cell;
+      float word = (float)(4 * (number + (MOST_IN_CELL + 1) * at.face) + 8);
+      vector u = uniform_deviates(cell, word);
+      depth = depth - logarithm(u[0]) / in_cell;
       if (!(depth < first.depth))
         break;
-      float da = (from_x - uniform_23(words.y)) * side / frame.a_along;
-      float db = ((from_y - uniform_23(words.z)) * side - frame.b_along * da) / frame.b_across;
+      float da = (from_x - u[1]) * side / frame.a_along;
+      float db = ((from_y - u[2]) * side - frame.b_along * da) / frame.b_across;
       if (da * da + db * db > reach * reach)
         continue;
-      DrawnFlake flake = draw_flake(flakes, most, da, db, v, words);
+      DrawnFlake flake = draw_flake(flakes, most, da, db, v, uniform_deviates(cell, word + 1.0),
+                                    uniform_deviates(cell, word + 2.0));
       if (!flake.covers)
         continue;
       if (first.passed > 0.0) {
-        HashWords here = pcg4d(words.x ^ place_x, words.y ^ place_y, words.z, words.w);
-        if (uniform_23(here.x) < first.passed)
+        vector here = hashed(cell, word + 3.0) + place;
+        if (uniform_deviate(here[0], here[1], here[2], 0.0) < first.passed)
           continue;
       }
       first.seen = 1;
@@ -294,16 +299,17 @@ void look_close(Layer layer, float library[], SurfacePoint surface, int frame, i
   LatticePoint at;
   at.a = own.position[plane.u];
   at.b = own.position[plane.v];
+  at.c = own.position[plane.w];
+  at.face = plane.face;
   at.towards_a = axes[plane.u];
   at.towards_b = axes[plane.v];
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, i);
     float wanted = clamp(surface.footprint, 1e-20, 1e6) * layer.cell_share;
-    float size = wanted / (some.flake_area * some.area.mean);
+    float size = wanted / (some.flake_area * some.area_mean);
     if (!(surface.footprint > 0.0) || !(size < 2.0))
       continue;
-    HashWords key = own_stream(layer, own, i, frame, seed);
-    key.z = key.z + plane.face;
+    vector key = own_stream(layer, own, CLOSE_STREAM + i, frame, seed);
     firsts[i] = first_flake(layer, some, library, surface.n, inside, surface.cos_in, surface.areas[i], at, size, key);
   }
 }

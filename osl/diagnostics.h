@@ -34,7 +34,7 @@
 
 int is_sound(float x)
 {
-  return isfinite(x) && x >= 0.0;
+  return !(x < 0.0) && !(x > 3e38);  // a comparison with no number is true
 }
 
 int is_sound(color x)
@@ -45,41 +45,46 @@ int is_sound(color x)
 // Where main hands its values over, by the names that they have there. Without DIAGNOSTICS these are empty.
 #ifdef DIAGNOSTICS
 
-#define ASKED_MEAN 1
 #define ASKED_OWN_SPACE 1
-#define ASKED_SPECIES (DiagnosticSpecies - 1)
 #define ASKED_SMOOTH (Diagnostic != SHOW_SPARKLES && Diagnostic != SHOW_CONE)  // there the sparkles are whole
 
-#define DIAGNOSE_SURFACE \
-  int all_sound = is_sound(surface.footprint); \
-  closure color irradiance = 0;
-
-#define DIAGNOSE_LIGHT \
-  all_sound = all_sound && is_sound(drawn[i].mean_count) && is_sound(drawn[i].mean_radiance) && is_sound(drawn[i].count) && \
-              is_sound(drawn[i].radiance) && is_sound(rho); \
-  if (slot[i] == DiagnosticLight - 1) { \
-    if (Diagnostic == SHOW_COUNT) \
-      Shown = color(drawn[i].count); \
-    else if (Diagnostic == SHOW_MEAN_COUNT) \
-      Shown = color(drawn[i].mean_count); \
-    else if (Diagnostic == SHOW_RADIANCE) \
-      Shown = drawn[i].radiance; \
-    else if (Diagnostic == SHOW_MEAN_RADIANCE) \
-      Shown = drawn[i].mean_radiance; \
-    else if (Diagnostic == SHOW_CONE) \
-      Shown = color(cone_solid_angle(rho)); \
-    irradiance = sparkle_cone(color(1.0), view, seen[i].direction, cone_half_angle(1.0, least, most), \
-                              lot); \
-  }
-
-#define DIAGNOSE_LOBE \
-  all_sound = all_sound && is_sound(facets.weight) && isfinite(facets.facing[0]) && isfinite(facets.along[0]) && \
-              is_sound(facets.alpha_x) && is_sound(facets.alpha_y);
-
-#define DIAGNOSE_FLAKE \
-  all_sound = all_sound && is_sound(mirrored.weight) && isfinite(mirrored.direction[0]);
+int is_sound(Facets facets)
+{
+  return is_sound(facets.weight) && is_sound(inner_product(facets.facing, facets.facing)) &&
+         is_sound(inner_product(facets.along, facets.along)) && is_sound(facets.alpha_x) && is_sound(facets.alpha_y);
+}
 
 #define DIAGNOSE_PAINT \
+  int all_sound = is_finite && is_sound(surface.footprint); \
+  closure color irradiance = 0; \
+  for (int i = 0; i < lights; ++i) { \
+    if (leader[i] == i) { \
+      float rho = listed_cone(seen[i].reach, seen[i].widest, seen[i].own_cone, drawn[i].radiance); \
+      all_sound = all_sound && is_sound(drawn[i].mean_count) && is_sound(drawn[i].mean_radiance) && \
+                  is_sound(drawn[i].count) && is_sound(drawn[i].radiance) && is_sound(rho); \
+      if (slot[i] == DiagnosticLight - 1) { \
+        if (Diagnostic == SHOW_COUNT) \
+          Shown = color(drawn[i].count); \
+        else if (Diagnostic == SHOW_MEAN_COUNT) \
+          Shown = color(drawn[i].mean_count); \
+        else if (Diagnostic == SHOW_RADIANCE) \
+          Shown = drawn[i].radiance; \
+        else if (Diagnostic == SHOW_MEAN_RADIANCE) \
+          Shown = drawn[i].mean_radiance; \
+        else if (Diagnostic == SHOW_CONE) \
+          Shown = color(cone_solid_angle(rho)); \
+        irradiance = sparkle_cone(color(1.0), view, seen[i].direction, \
+                                  listed_cone(seen[i].reach, seen[i].widest, seen[i].own_cone, color(1.0)), \
+                                  deviates.other[2]); \
+      } \
+    } \
+  } \
+  if (smooth) { \
+    for (int i = 0; i < flake_layer.species; ++i) { \
+      SmoothPart part = parts[i]; \
+      all_sound = all_sound && is_sound(part.narrow) && is_sound(part.wide); \
+    } \
+  } \
   if (Diagnostic == SHOW_PIXEL) \
     Shown = color(surface.footprint, surface.pixel_x, surface.pixel_y); \
   else if (Diagnostic == SHOW_POSITION) \
@@ -126,14 +131,8 @@ int is_sound(color x)
 
 #else
 
-#define ASKED_MEAN 0
 #define ASKED_OWN_SPACE 0
-#define ASKED_SPECIES 0
 #define ASKED_SMOOTH 1
-#define DIAGNOSE_SURFACE
-#define DIAGNOSE_LIGHT
-#define DIAGNOSE_LOBE
-#define DIAGNOSE_FLAKE
 #define DIAGNOSE_PAINT
 
 #endif

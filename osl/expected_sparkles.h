@@ -8,7 +8,6 @@
 #include "optical_thickness.h"
 #include "orientation.h"
 #include "passage.h"
-#include "poisson.h"
 
 #define POISSON_SLOTS 16
 #define LEAST_CONE 1e-18
@@ -17,14 +16,15 @@ struct ExpectedSparkles {
   float mean_count;
   int slots;
   float fill;
-  AreaMoments area;
+  float area_spread;
+  float area_mean;
+  float area_square;
   color slant;
   float hidden;
   color transmitted;
   color reflectance;
   color mirror;
   float ceiling;
-  float contrast;
   float share;
   float probability;
 };
@@ -40,20 +40,21 @@ float flake_probability(OrientationDensity density, int radiometry, float sin2_h
 }
 
 // No sparkle.
-ExpectedSparkles nothing_expected(Flakes flakes)
+ExpectedSparkles nothing_expected()
 {
   ExpectedSparkles expected;
   expected.mean_count = 0.0;
   expected.slots = 0;
   expected.fill = 1.0;
-  expected.area = flakes.area;
+  expected.area_spread = 0.0;
+  expected.area_mean = 1.0;
+  expected.area_square = 1.0;
   expected.slant = color(0.0);
   expected.hidden = 0.0;
   expected.transmitted = color(1.0);
   expected.reflectance = color(0.0);
   expected.mirror = color(0.0);
   expected.ceiling = 0.0;
-  expected.contrast = 1.0;
   expected.share = 1.0;
   expected.probability = 0.0;
   return expected;
@@ -75,8 +76,11 @@ float turned_by(Flakes flakes, float eta)
 float turned_by(Layer layer)
 {
   float most = 0.0;
-  for (int i = 0; i < layer.species; ++i)
-    most = max(most, turned_by(flakes_of(layer, i), layer.eta));
+  for (int i = 0; i < layer.species; ++i) {
+    Flakes some = flakes_of(layer, i);
+    if (some.coverage > 0.0)
+      most = max(most, turned_by(some, layer.eta));
+  }
   return most;
 }
 
@@ -90,7 +94,8 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 {
   float cos_alpha = way.mirror.cos_alpha;
   ExpectedSparkles expected;
-  expected.contrast = layer.sparkle_contrast;
+  expected.area_spread = flakes.area_spread;
+  expected.area_square = flakes.area_square;
   expected.probability = probability;
   expected.slots = 0;
 
@@ -104,13 +109,13 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 
   float footprint = clamp(pixel_area, 1e-20, 1e6);
   expected.fill = footprint * way.cos_exit / (flakes.flake_area * cos_alpha);
-  expected.area = capped_area_moments(flakes.area_spread, expected.fill, flakes.area);
+  expected.area_mean = capped_area_mean(flakes.area_spread, expected.fill, flakes.area_mean);
   float enlarged = 1.0;
-  if (expected.area.mean < flakes.area.mean)
-    enlarged = flakes.area.mean / expected.area.mean;
+  if (expected.area_mean < flakes.area_mean)
+    enlarged = flakes.area_mean / expected.area_mean;
   expected.mean_count = flakes.areal_density * footprint * enlarged * probability;
 
-  float places = expected.fill / flakes.area.mean;
+  float places = expected.fill / flakes.area_mean;
   if (places < (float)POISSON_SLOTS)
     expected.slots = (int)max(places, 1.0);
   float slots = (float)expected.slots;
@@ -129,8 +134,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
     expected.mirror = expected.mirror * (expected.mean_count / slots);
     expected.mean_count = slots;
   }
-  if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.slots == 0 &&
-      expected.mean_count < 0.1)
+  if (layer.radiometry == RADIOMETRY_PUBLISHED && expected.slots == 0 && expected.mean_count < 0.1)
     expected.slots = 1;
   return expected;
 }
@@ -140,7 +144,7 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 {
   float inside = way.open ? cone_in_binder(flakes, way) : 0.0;
   if (!(inside > 0.0))
-    return nothing_expected(flakes);
+    return nothing_expected();
   float probability = flake_probability(flakes.orientation, layer.radiometry, way.mirror.sin2_half_beta,
                                         quarter_cone(inside, way));
   if (flat && way.outline.given) {
@@ -153,33 +157,10 @@ ExpectedSparkles expect_sparkles(Layer layer, Flakes flakes, float library[], fl
 
 color mean_sparkle(ExpectedSparkles expected)
 {
-  float share = expected.area.mean / expected.fill;
-  return expected.transmitted * share;
-}
-
-color mean_square_sparkle(ExpectedSparkles expected)
-{
-  float share = expected.area.square / expected.fill / expected.fill;
-  return share * mean_transmittance(2.0 * expected.slant - color(expected.hidden));
+  return expected.transmitted * (expected.area_mean / expected.fill);
 }
 
 color mean_radiance(ExpectedSparkles expected)
 {
   return expected.mirror * (mean_sparkle(expected) * expected.mean_count);
-}
-
-#define FAR_COUNT 65536.0
-
-float fluctuation_left(ExpectedSparkles expected)
-{
-  if (!(expected.mean_count > FAR_COUNT / 2.0))
-    return expected.contrast;
-  color mean = mean_sparkle(expected);
-  color square = mean_square_sparkle(expected);
-  float least = expected.mean_count;
-  for (int c = 0; c < 3; ++c) {
-    if (square[c] > 0.0)
-      least = min(least, expected.mean_count * (mean[c] * mean[c] / square[c]));
-  }
-  return expected.contrast * clamp(2.0 - least / (FAR_COUNT / 2.0), 0.0, 1.0);
 }

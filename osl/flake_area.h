@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Moments of the area of a flake, in units of its deviate's mean: see core/flake_area.h.
+// Means of the area of a flake, in units of its deviate's mean: see core/flake_area.h.
 #pragma once
 
 #include "elementary.h"
@@ -8,71 +8,45 @@
 
 #define NORMAL_REACH 8.5
 
-struct AreaMoments {
-  float mean;
-  float square;
-  float cube;
-};
-
-AreaMoments area_moments(float spread)
+float area_mean(float spread)
 {
-  AreaMoments moments;
-  float variance = spread * spread;
-  if (spread * NORMAL_REACH <= 1.0) {
-    moments.mean = 1.0;
-    moments.square = 1.0 + variance;
-    moments.cube = 1.0 + 3.0 * variance;
+  float mean = 1.0;
+  if (spread * NORMAL_REACH > 1.0) {
+    float density = normal_density(1.0 / spread);
+    mean = normal_cdf(1.0 / spread, density) + spread * density;
   }
-  else {
+  return mean;
+}
+
+float area_square(float spread)
+{
+  float square = 1.0 + spread * spread;
+  if (spread * NORMAL_REACH > 1.0) {
     float density = normal_density(1.0 / spread);
     float positive = normal_cdf(1.0 / spread, density);
     float edge = spread * density;
-    moments.mean = positive + edge;
-    moments.square = (1.0 + variance) * positive + edge;
-    moments.cube = (1.0 + 3.0 * variance) * positive + (1.0 + 2.0 * variance) * edge;
+    float mean = positive + edge;
+    square = (square * positive + edge) / (mean * mean);
   }
-  return moments;
+  return square;
 }
 
-AreaMoments capped_area_moments(float spread, float cap, AreaMoments whole)
+float capped_area_mean(float spread, float cap, float whole)
 {
-  AreaMoments moments = whole;
   if (cap >= 1.0 + spread * NORMAL_REACH)
-    return moments;
-  if (spread * NORMAL_REACH <= 1.0 - cap) {
-    moments.mean = cap;
-    moments.square = cap * cap;
-    moments.cube = cap * cap * cap;
-    return moments;
-  }
+    return whole;
+  if (spread * NORMAL_REACH <= 1.0 - cap)
+    return cap;
   if (cap < spread) {
     float node[12];
     float weight[12];
     gauss_rule(node, weight);
     float mean = 0.0;
-    float square = 0.0;
-    float cube = 0.0;
-    for (int i = 0; i < GAUSS_POINTS; ++i) {
-      float x = cap * node[i];
-      float term = weight[i] * normal_cdf((1.0 - x) / spread);
-      mean = mean + term;
-      square = square + term * x;
-      cube = cube + term * x * x;
-    }
-    moments.mean = cap * mean;
-    moments.square = 2.0 * cap * square;
-    moments.cube = 3.0 * cap * cube;
-    return moments;
+    for (int i = 0; i < GAUSS_POINTS; ++i)
+      mean = mean + weight[i] * normal_cdf((1.0 - cap * node[i]) / spread);
+    return cap * mean;
   }
   float d = (1.0 - cap) / spread;
   float density = normal_density(d);
-  float above = normal_cdf(d, density);
-  float edge = spread * density;
-  moments.mean = whole.mean - ((1.0 - cap) * above + edge);
-  float variance = spread * spread;
-  float cap2 = cap * cap;
-  moments.square = whole.square - ((1.0 + variance - cap2) * above + (1.0 + cap) * edge);
-  moments.cube = whole.cube - ((1.0 + 3.0 * variance - cap2 * cap) * above +
-                               (1.0 + cap + cap2 + 2.0 * variance) * edge);
-  return moments;
+  return whole - ((1.0 - cap) * normal_cdf(d, density) + spread * density);
 }

@@ -14,7 +14,8 @@ struct Flakes {
   float areal_density;
   float flake_area;
   float area_spread;
-  AreaMoments area;
+  float area_mean;
+  float area_square;
   float coverage;
   OrientationDensity orientation;
   float solid_angle;
@@ -73,8 +74,9 @@ Flakes make_flakes(FlakeSpecies species, float eta, int diffraction)
   float diameter = diameter_um * 1e-6;
   flakes.flake_area = 0.785398163 * (diameter * diameter);
   flakes.area_spread = species.flake_area_spread;
-  flakes.area = area_moments(flakes.area_spread);
-  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area.mean;
+  flakes.area_mean = area_mean(flakes.area_spread);
+  flakes.area_square = area_square(flakes.area_spread);
+  flakes.coverage = flakes.areal_density * flakes.flake_area * flakes.area_mean;
   flakes.orientation = make_orientation(species.orientation, species.tilt);
   if (flakes.orientation.back_cosine <= critical_cosine(eta))
     flakes.orientation.back_cosine = 0.0;
@@ -130,9 +132,8 @@ Flakes no_such_flakes()
   none.areal_density = 0.0;
   none.flake_area = 1.0;
   none.area_spread = 0.0;
-  none.area.mean = 1.0;
-  none.area.square = 1.0;
-  none.area.cube = 1.0;
+  none.area_mean = 1.0;
+  none.area_square = 1.0;
   none.coverage = 0.0;
   none.orientation.kind = ORIENTATION_BECKMANN;
   none.orientation.tilt = 1.0;
@@ -231,7 +232,8 @@ void become(output Flakes some, Flakes other, Unlike unlike)
   some.diameter = other.diameter;
   if (unlike.area) {
     some.area_spread = other.area_spread;
-    some.area = other.area;
+    some.area_mean = other.area_mean;
+    some.area_square = other.area_square;
   }
   if (unlike.orientation)
     some.orientation.kind = other.orientation.kind;

@@ -10,13 +10,13 @@
 #define SKY_REACH 0.02
 #define WIDEST_SINE 0.5
 #define MELTING_GAP 0.05
-#define STANDS_ASIDE -2
 
 struct SeenLight {
   vector direction;
   float sin2_half_radius;
   int visible;
   float reach;
+  float widest;
   float breadth;
   float apart;
   vector facing;
@@ -52,6 +52,7 @@ SeenLight see_light(int kind, vector where, float size, vector facing, point pos
   seen.sin2_half_radius = 0.0;
   seen.visible = 0;
   seen.reach = 0.0;
+  seen.widest = M_PI_2;
   seen.breadth = 0.0;
   seen.apart = 1.0;
   seen.facing = vector(0.0);
@@ -99,74 +100,33 @@ float angle_between(SeenLight a, SeenLight b)
   return angle_of_half_chord(min(0.5 * sqrt(inner_product(chord, chord)), 1.0));
 }
 
-// Of each two lights, found once: of i and k at 8 i + k. Says whether any two are so near that they may share a cone.
-int angles_between(SeenLight seen[8], int count, output float between[64])
+void share_cones(output SeenLight seen[8], output int leader[8], int count, float turned)
 {
-  int near = 0;
   for (int i = 1; i < count; ++i) {
     for (int k = 0; k < i; ++k) {
-      float angle = angle_between(seen[i], seen[k]);
-      between[8 * i + k] = angle;
-      between[8 * k + i] = angle;
-      near = near || angle - seen[i].reach < seen[k].reach + LEAST_GAP ||
-             angle - seen[k].reach < seen[i].reach + LEAST_GAP;
-    }
-  }
-  return near;
-}
-
-float group_reach(SeenLight seen[8], float between[64], int leader[8], int count, int group)
-{
-  float reach = seen[group].reach;
-  for (int i = 0; i < count; ++i) {
-    if (leader[i] == group && i != group)
-      reach = max(reach, between[8 * group + i] + seen[i].reach);
-  }
-  return reach;
-}
-
-// Here every light is there.
-void group_lights(SeenLight seen[8], float between[64], output int leader[8], int count)
-{
-  int joined = 1;
-  while (joined) {
-    joined = 0;
-    for (int group = 0; group < count && !joined; ++group) {
-      if (leader[group] == group) {
-        float reach = group_reach(seen, between, leader, count, group) + LEAST_GAP;
-        for (int i = 0; i < count && !joined; ++i) {
-          if (leader[i] >= 0 && leader[i] != group &&
-              between[8 * group + i] - seen[i].reach < reach) {
-            int first = min(group, leader[i]);
-            int second = max(group, leader[i]);
-            for (int k = 0; k < count; ++k) {
-              if (leader[k] == second)
-                leader[k] = first;
-            }
-            joined = 1;
-          }
+      if (leader[i] == i && leader[k] == k && seen[i].breadth == 0.0 && seen[k].breadth == 0.0) {
+        float angle = angle_between(seen[i], seen[k]);
+        if (angle - seen[i].reach < seen[k].reach + LEAST_GAP) {
+          leader[i] = k;
+          seen[k].reach = max(seen[k].reach, angle + seen[i].reach);
         }
       }
     }
   }
-}
-
-void admit_melting(output SeenLight seen[8], float between[64], output int leader[8], int count, float turned)
-{
   for (int i = 0; i < count; ++i) {
-    if (seen[i].breadth > 0.0 && leader[i] == STANDS_ASIDE) {
+    if (leader[i] == i) {
       float gap = M_PI;
       for (int k = 0; k < count; ++k) {
-        if (k != i && (leader[k] == k || leader[k] == STANDS_ASIDE)) {
-          float reach = seen[k].reach;
-          if (leader[k] == k)
-            reach = group_reach(seen, between, leader, count, k);
-          gap = min(gap, between[8 * i + k] - reach);
-        }
+        if (k != i && leader[k] != i)
+          gap = min(gap, angle_between(seen[i], seen[k]) - seen[k].reach - seen[i].reach);
       }
-      seen[i].apart = clamp((gap - seen[i].reach - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
-      if (sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0.0)
-        leader[i] = i;
+      seen[i].widest = seen[i].reach + max(gap, 0.0) / 2.0;
+      if (seen[i].breadth > 0.0)
+        seen[i].apart = clamp((gap - LEAST_GAP) / MELTING_GAP, 0.0, 1.0);
     }
+  }
+  for (int i = 0; i < count; ++i) {
+    if (seen[i].breadth > 0.0 && !(sparkling_share(seen[i].breadth, seen[i].apart, turned) > 0.0))
+      leader[i] = -1;
   }
 }

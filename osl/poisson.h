@@ -5,74 +5,66 @@
 
 #include "elementary.h"
 
-#define POISSON_CLOSED_FORM 32.0
+#define COUNT_STEPS 6
+#define MOST_INVERTED 2.0
 #define MAX_MEAN_COUNT 1e36
 
-float count_deviate(float mean, int slots, float deviate)
+struct Count {
+  float number;
+  float scale;
+};
+
+float logarithm_of_rest(float p)
 {
+  if (p < 0.03)
+    return 1.0 + p * (0.5 + p * (1.0 / 3.0 + p * (0.25 + p * 0.2)));
+  return -logarithm(1.0 - p) / p;
+}
+
+Count draw_count(float mean, int slots, float u)
+{
+  Count count;
+  count.number = 0.0;
+  count.scale = 1.0;
   if (!(mean > 0.0))
-    return 0.0;
-  if (slots > 0) {
-    float q = mean / (float)slots;
-    if (q >= 1.0)
-      return (float)slots;
-    float p = q > 0.5 ? 1.0 - q : q;
-    float term = 1.0;
-    float survival = 0.0;
-    for (int k = 0; k < slots; ++k) {
-      survival = survival * (1.0 - p) + p;
-      term = term * (1.0 - p);
-    }
-    float odds = p / (1.0 - p);
-    int n = 0;
-    if (q > 0.5) {
-      float cumulated = term;
-      while (n < slots && deviate >= cumulated) {
-        n = n + 1;
-        term = term * ((float)(slots - n + 1) / (float)n * odds);
-        cumulated = cumulated + term;
-      }
-      return (float)(slots - n);
-    }
-    while (n < slots && deviate < survival) {
-      n = n + 1;
-      term = term * ((float)(slots - n + 1) / (float)n * odds);
+    return count;
+  float places = (float)slots;
+  int of_empty = slots > 0 && 2.0 * mean > places;
+  float lambda = of_empty ? max(places - mean, 0.0) : min(mean, MAX_MEAN_COUNT);
+  float v = of_empty ? 1.0 - u : u;
+  float p = slots > 0 ? lambda / places : 0.0;
+  float n = 0.0;
+  float mean_of_n = lambda;
+  if (lambda <= MOST_INVERTED || (slots > 0 && slots <= COUNT_STEPS)) {
+    float y = lambda * logarithm_of_rest(p);
+    float a = p / (1.0 - p);
+    float b = (lambda + p) / (1.0 - p);
+    float term = exponential(-y);
+    float survival = y * mean_transmittance(y);
+    mean_of_n = survival;
+    if (!(v < survival || of_empty))
+      return count;
+    for (int k = 1; k <= COUNT_STEPS; ++k) {
+      if (v < survival)
+        n = (float)k;
+      term = term * (b / (float)k - a);
       survival = survival - term;
+      if (k < COUNT_STEPS)
+        mean_of_n = mean_of_n + survival;
     }
-    return (float)n;
   }
-  if (mean < POISSON_CLOSED_FORM) {
-    float turn = mean + 2.0 * sqrt(mean);
-    float n = 0.0;
-    float term = exponential(-mean);
-    float survival = mean * mean_transmittance(mean);
-    while (deviate < survival && n < turn) {
-      n = n + 1.0;
-      term = term * mean / n;
-      survival = survival - term;
-    }
-    if (n < turn)
-      return n;
-    float last = n;
-    float tail = term;
-    float previous = 0.0;
-    survival = 0.0;
-    do {
-      last = last + 1.0;
-      tail = tail * mean / last;
-      previous = survival;
-      survival = survival + tail;
-    } while (survival > previous);
-    while (deviate < survival && n < last) {
-      n = n + 1.0;
-      term = term * mean / n;
-      survival = survival - term;
-    }
-    return n;
+  else {
+    float w = -normal_quantile(v);
+    float c = (1.0 - 2.0 * p) / 6.0;
+    float spread = sqrt(lambda * (1.0 - p) - 1.0 / 12.0);
+    if (spread + 2.0 * c * w > 0.0)
+      n = floor(lambda + 0.5 + (spread * w + c * (w * w - 1.0)));
   }
-  float lambda = min(mean, MAX_MEAN_COUNT);
-  float root = sqrt(lambda);
-  float w = -normal_quantile(deviate);
-  float shift = 1.0 / 3.0 + w * w / 6.0 - w * (1.0 / 36.0 + w * w / 72.0) / root;
-  return max(floor(lambda + (root * w + shift)), 0.0);
+  if (slots > 0)
+    n = min(n, places);
+  count.number = max(of_empty ? places - n : n, 0.0);
+  float mean_of_count = of_empty ? places - mean_of_n : mean_of_n;
+  if (mean_of_count > 0.0)
+    count.scale = (of_empty ? places - lambda : lambda) / mean_of_count;
+  return count;
 }

@@ -1,60 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random numbers by hash of integers, bit for bit those of core/random.h. OSL's ints wrap like unsigned ones in + and *;
-// >> copies the sign, so the shifted bits are masked.
+// Random numbers by hash, bit for bit those of core/random.h.
 #pragma once
 
-struct HashWords {
-  int x;
-  int y;
-  int z;
-  int w;
-};
-
-HashWords pcg4d(int x, int y, int z, int w)
+float uniform_deviate(float x, float y, float z, float w)
 {
-  HashWords h;
-  h.x = x * 1664525 + 1013904223;
-  h.y = y * 1664525 + 1013904223;
-  h.z = z * 1664525 + 1013904223;
-  h.w = w * 1664525 + 1013904223;
-  h.x += h.y * h.w;
-  h.y += h.z * h.x;
-  h.z += h.x * h.y;
-  h.w += h.y * h.z;
-  h.x = h.x ^ ((h.x >> 16) & 65535);
-  h.y = h.y ^ ((h.y >> 16) & 65535);
-  h.z = h.z ^ ((h.z >> 16) & 65535);
-  h.w = h.w ^ ((h.w >> 16) & 65535);
-  h.x += h.y * h.w;
-  h.y += h.z * h.x;
-  h.z += h.x * h.y;
-  h.w += h.y * h.z;
-  return h;
+  float value = noise("hash", point(x, y, z), w);
+  return clamp(value, 1.16415322e-10, 0.999999940);
 }
 
-HashWords stream_key(int light, int species, int frame, int seed)
+vector uniform_deviates(vector at, float w)
 {
-  return pcg4d(light, species, frame, seed);
+  return vector(uniform_deviate(at[0], at[1], at[2], w), uniform_deviate(at[2], at[0], w, at[1]), uniform_deviate(w, at[2], at[1], at[0]));
 }
 
-HashWords draw_words(HashWords key, int x, int y, int draw)
+vector hashed(vector at, float w)
 {
-  return pcg4d(x ^ key.x, y ^ key.y, key.z, key.w + draw);
+  return floor(uniform_deviates(at, w) * 4194304.0);
 }
 
-float uniform_48(int high, int low)
+float wrapped(int whole)
 {
-  float step = 5.96046448e-8;
-  return ((float)((high >> 8) & 16777215) + ((float)((low >> 8) & 16777215) + 0.5) * step) * step;
+  return (float)(whole & 4194303);
 }
 
-float uniform_23(int word)
+float wrapped(float whole)
 {
-  return ((float)((word >> 9) & 8388607) + 0.5) * 1.19209290e-7;
+  float bounded = clamp(whole, -1e30, 1e30);
+  return bounded - floor(bounded * 2.38418579e-7) * 4194304.0;
 }
 
-float uniform_16(int word)
+vector stream_key(int kind, int instance, int frame, int seed)
 {
-  return ((float)(word & 65535) + 0.5) * 1.52587891e-5;
+  return hashed(vector(wrapped(kind), wrapped(instance), wrapped(frame)), wrapped(seed));
+}
+
+vector pixel_key(vector stream, int x, int y, int number)
+{
+  return hashed(stream + vector(wrapped(x), wrapped(y), 0.0), wrapped(number));
 }

@@ -21,10 +21,15 @@ float texture_factor(float contrast, float footprint, float w)
 
 #define TEXTURE_STREAM 9
 
+float texture_deviate(vector key)
+{
+  return normal_quantile(uniform_deviate(key[0], key[1], key[2], 0.0));
+}
+
 float pixel_texture(float contrast, float footprint, int pixel_x, int pixel_y, int frame, int seed)
 {
-  HashWords words = draw_words(stream_key(TEXTURE_STREAM, 0, frame, seed), pixel_x, pixel_y, 0);
-  return texture_factor(contrast, footprint, normal_quantile(uniform_48(words.x, words.y)));
+  vector key = pixel_key(stream_key(TEXTURE_STREAM, 0, frame, seed), pixel_x, pixel_y, 0);
+  return texture_factor(contrast, footprint, texture_deviate(key));
 }
 
 float texture_at(Layer layer, SurfacePoint surface, float contrast, int frame, int seed)
@@ -32,5 +37,5 @@ float texture_at(Layer layer, SurfacePoint surface, float contrast, int frame, i
   if (layer.anchor == ANCHOR_PIXEL)
     return pixel_texture(contrast, surface.footprint, surface.pixel_x, surface.pixel_y, frame, seed);
   Cell cell = find_cell(surface, layer.cell_share, 0.0, own_stream(layer, surface.own, TEXTURE_STREAM, frame, seed));
-  return texture_factor(contrast, cell.area, normal_quantile(uniform_48(cell.key.x, cell.key.y)));
+  return texture_factor(contrast, cell.area, texture_deviate(cell.key));
 }

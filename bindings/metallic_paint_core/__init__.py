@@ -27,7 +27,6 @@ from ._native import (
     explicit_flakes,
     flake_brdf,
     fresnel_transmittance,
-    hash_words,
     library_coating,
     mean_projected_area,
     mixture,
@@ -37,6 +36,7 @@ from ._native import (
     random_walk,
     reflectance,
     shade,
+    white_noise,
 )
 
 __all__ = [
@@ -58,7 +58,6 @@ __all__ = [
     "explicit_flakes",
     "flake_brdf",
     "fresnel_transmittance",
-    "hash_words",
     "library_coating",
     "mean_projected_area",
     "mixture",
@@ -68,4 +67,5 @@ __all__ = [
     "random_walk",
     "reflectance",
     "shade",
+    "white_noise",
 ]

@@ -46,14 +46,14 @@ class Pixels(TypedDict):
     A light below the horizon, and an area light that has melted into the mean, have the leader -1
     and zeros; one that melts shows here what still sparkles of it. One too close to an earlier
     light to be told apart has that light as its leader, its radiance, and no count of its own.
+    All but the slots are of all species together.
     """
 
     leader: NDArray[np.int32]  # (n, m)
-    # Of the flake species asked for.
-    slots: NDArray[np.int32]  # (n, m): 0 for a Poisson count, k for a binomial one of k places
+    # (n, m), of the first species' count: 0 for a Poisson count, k for a binomial one of k places
+    slots: NDArray[np.int32]
     mean_count: NDArray[np.float64]  # (n, m): <N>
     count: NDArray[np.float64]  # (n, m): N
-    # Of all species.
     radiance: NDArray[np.float64]  # (n, m, 3): T, per unit irradiance normal to the light, 1/sr
     mean_radiance: NDArray[np.float64]  # (n, m, 3): E[T]
     variance: NDArray[np.float64]  # (n, m, 3): Var[T]
@@ -72,7 +72,6 @@ def evaluate(
     instance: ArrayLike | None = None,
     slant_depth: ArrayLike | None = None,
     precision: Literal["float", "double"] = "double",
-    species: int = 0,
 ) -> Pixels: ...
 
 class Shades(TypedDict):
@@ -173,16 +172,7 @@ class Mixture(TypedDict):
     above: NDArray[np.float64]  # (...): its share above the surface
 
 def mixture(paint: Paint, substrate: ArrayLike, cos_view: ArrayLike) -> Mixture: ...
-def hash_words(
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    light: int = 0,
-    species: int = 0,
-    frame: int = 0,
-    seed: int = 0,
-    draw: int = 0,
-) -> NDArray[np.uint32]: ...
+def white_noise(position: ArrayLike, w: ArrayLike) -> NDArray[np.float64]: ...
 def count_deviate(mean: ArrayLike, slots: ArrayLike, uniform: ArrayLike) -> NDArray[np.float64]: ...
 def normal_quantile(probability: ArrayLike) -> NDArray[np.float64]: ...
 def fresnel_transmittance(cos_theta: ArrayLike, eta: ArrayLike) -> NDArray[np.float64]: ...

@@ -67,7 +67,7 @@ class ModelOf : public Model {
   }
 
   void draw(int seed, std::vector<Drawn>& drawn) const override {
-    const HashWords key = key_of(seed);
+    const HashKey key = key_of(seed);
     drawn.resize(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       drawn[i] = draw_one(expect(points_[i]), key, points_[i]);
@@ -84,11 +84,7 @@ class ModelOf : public Model {
   }
 
  private:
-  HashWords key_of(int seed) const {
-    Paint paint = paint_;
-    paint.seed = seed;
-    return paint_stream(paint, 0);
-  }
+  static HashKey key_of(int seed) { return stream_key(kFlakeStream, 0, 0, seed); }
   ExpectedSparkles<T> expect(const SurfacePoint<T>& point) const {
     const SeenLight<T> seen = see_light(light_, point.position);
     const Flakes<T>& flakes = layer_.flakes[0];
@@ -123,10 +119,9 @@ class ModelOf : public Model {
     const T cosine = static_cast<T>(std::min(g / layer_.eta, Wide<T>(1)));
     return slant_depth(projection_->at(cosine) * layer_.coverage, layer_.binder_depth, cosine);
   }
-  Drawn draw_one(const ExpectedSparkles<T>& expected, HashWords key,
+  Drawn draw_one(const ExpectedSparkles<T>& expected, HashKey key,
                  const SurfacePoint<T>& point) const {
-    const Sparkles<T> sparkles =
-        draw_(expected, layer_.flakes[0].area_spread, key, point.pixel_x, point.pixel_y);
+    const Sparkles<T> sparkles = draw_(expected, pixel_key(key, point.pixel_x, point.pixel_y, 0));
     return {static_cast<double>(sparkles.count), Rgb<double>(sparkles.radiance)};
   }
 
@@ -168,14 +163,6 @@ template <class T = float>
 MakeModel shipped(Change change = {}) {
   return model<T, Shipped>(change);
 }
-template <class Count>
-MakeModel counting() {
-  return model<float, Alternative<Count, CoreSum>>();
-}
-template <class Sum>
-MakeModel summing() {
-  return model<float, Alternative<CoreCount, Sum>>();
-}
 inline MakeModel with_paint(const std::function<void(Paint&)>& change) {
   return shipped({.paint = change});
 }
@@ -183,7 +170,6 @@ inline MakeModel with_paint(const std::function<void(Paint&)>& change) {
 inline std::vector<Group> groups() {
   const auto orientation = [](int n) { return shipped({.orientation_intervals = n}); };
   const auto projection = [](int n) { return shipped({.projection_intervals = n}); };
-  using enum Form;
   return {
       {"number type",
        "long double",
@@ -208,32 +194,12 @@ inline std::vector<Group> groups() {
         {"table of 64", projection(64)},
         {"table of 256", projection(256)},
         {"table of 1024", projection(1024)}}},
-      {"count",
-       "inversion at every mean",
-       "Cornish–Fisher from 32",
-       {{"Cornish–Fisher from 32", counting<CoreCount>()},
-        {"inversion at every mean", counting<Inversion>()},
-        {"Cornish–Fisher from 16", counting<InversionThen<cornish_fisher, 16>>()},
-        {"Cornish–Fisher from 4", counting<InversionThen<cornish_fisher, 4>>()},
-        {"Cornish–Fisher from 1", counting<InversionThen<cornish_fisher, 1>>()},
-        {"Wilson–Hilferty from 32", counting<InversionThen<wilson_hilferty, 32>>()},
-        {"Wilson–Hilferty from 4", counting<InversionThen<wilson_hilferty, 4>>()},
-        {"Wilson–Hilferty always", counting<InversionThen<wilson_hilferty, 0>>()},
-        {"normal from 32", counting<InversionThen<normal, 32>>()},
-        {"normal always", counting<InversionThen<normal, 0>>()},
-        {"std::poisson_distribution", counting<StandardLibrary>(), Numbers::own},
-        {"Bernoulli below 0.1", counting<Bernoulli>()}}},
-      {"sum over N",
-       "each drawn",
-       "16 drawn, then skewed normal",
-       {{"16 drawn, then skewed normal", summing<CoreSum>(), Numbers::counts},
-        {"each drawn", summing<EachDrawn>()},
-        {"64 drawn, then skewed normal", summing<DrawnThenSkewed<64>>(), Numbers::counts},
-        {"8 drawn, then skewed normal", summing<DrawnThenSkewed<8>>(), Numbers::counts},
-        {"4 drawn, then skewed normal", summing<DrawnThenSkewed<4>>(), Numbers::counts},
-        {"skewed normal always", summing<DrawnThenSkewed<0>>(), Numbers::counts},
-        {"16 drawn, then normal", summing<DrawnThenNormal<16>>(), Numbers::counts},
-        {"N × mean sparkle", summing<CountTimesMean>(), Numbers::counts},
+      {"draw",
+       "sparkle by sparkle",
+       "one drawn, the others as a sum",
+       {{"one drawn, the others as a sum", shipped(), Numbers::counts},
+        {"sparkle by sparkle", model<float, OneByOne>()},
+        {"N × mean sparkle", model<float, CountTimesMean>(), Numbers::counts},
         {"mean only, no draw", model<float, MeanOnly>(), Numbers::own}}},
       {"radiometry",
        "exact",
@@ -258,7 +224,7 @@ inline std::vector<Group> groups() {
        "everything exact, in double",
        "as shipped",
        {{"as shipped", shipped(), Numbers::counts},
-        {"everything exact, in double", model<double, Exact>()}}},
+        {"everything exact, in double", model<double, OneByOne>()}}},
   };
 }
 

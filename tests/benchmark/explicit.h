@@ -122,9 +122,7 @@ inline ExplicitFound trace(const ExplicitCase& c, int pixels) {
     const auto expected = expect(depth, scene.footprint);
     std::vector<double> values;
     for (int i = 0; i < pixels; ++i) {
-      values.push_back(
-          draw_sparkles(expected, c.paint.flake_area_spread, HashWords{1, 2, 3, 4}, i, 0)
-              .radiance.y);
+      values.push_back(draw_sparkles(expected, pixel_key({1, 2, 3}, i, 0, 0)).radiance.y);
     }
     return values;
   };

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
-#include "alternatives.h"
+#include "vector.h"
 
 namespace trade {
+
+using namespace metallic_paint;
 
 inline double luminance(Rgb<double> c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
@@ -63,36 +65,21 @@ inline Errors errors(const std::vector<Draws>& pixels, const std::vector<Draws>&
           std::sqrt(sum.distribution / n)};
 }
 
-// Total variation distance from Poisson's law of a count that does not rise with its uniform
-// deviate: the 48 bits are halved until the share of words with N > n is found, for every n.
-template <class Count>
-double total_variation(const Count& count, double poisson_mean) {
-  constexpr std::uint64_t end = std::uint64_t{1} << 48;
-  const auto above = [&](double n) {
-    std::uint64_t low = 0, high = end;  // N > n at all deviates below low, at none from high on
-    while (low < high) {
-      const std::uint64_t middle = (low + high) / 2;
-      const HashWords words{static_cast<std::uint32_t>(middle >> 24) << 8,
-                            static_cast<std::uint32_t>(middle & 0xffffff) << 8, 0, 0};
-      if (count(poisson_mean, 0, words) > n) {
-        low = middle + 1;
-      } else {
-        high = middle;
-      }
-    }
-    return static_cast<double>(low) / static_cast<double>(end);
+// Kolmogorov's distance of two samples: the largest of their distribution functions.
+inline double kolmogorov(std::vector<double> a, std::vector<double> b) {
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  const auto share = [](std::size_t i, const std::vector<double>& of) {
+    return static_cast<double>(i) / static_cast<double>(of.size());
   };
-  const double reach = 9 * std::sqrt(poisson_mean) + 20;
-  const double first = std::max(std::floor(poisson_mean - reach), 0.0);
-  double sum = 0, at_least = 1;
-  if (first > 0) at_least = above(first - 1);
-  for (double n = first; n <= poisson_mean + reach; ++n) {
-    const double more = above(n);
-    const double p = std::exp(n * std::log(poisson_mean) - poisson_mean - std::lgamma(n + 1));
-    sum += std::abs((at_least - more) - p);
-    at_least = more;
+  double most = 0;
+  for (std::size_t i = 0, k = 0; i < a.size() && k < b.size();) {
+    const double x = std::min(a[i], b[k]);
+    while (i < a.size() && a[i] <= x) ++i;
+    while (k < b.size() && b[k] <= x) ++k;
+    most = std::max(most, std::abs(share(i, a) - share(k, b)));
   }
-  return sum / 2;
+  return most;
 }
 
 }  // namespace trade

@@ -15,6 +15,7 @@
 
 #include "choices.h"
 #include "explicit.h"
+#include "laws.h"
 #include "measure.h"
 
 namespace {
@@ -24,15 +25,15 @@ using namespace trade;
 struct Effort {
   int size, rounds;
   std::size_t timed_pixels;
-  int judged_pixels, draws, draws_of_sums, traced_pixels;
+  int judged_pixels, draws, traced_pixels;
   int traced_size, traced_judged_pixels, traced_draws;  // against whole pictures of traced flakes
-  std::size_t scenes;
+  std::size_t scenes, short_draws, papers_draws;
 };
-constexpr Effort kFull{256, 25, 8192, 12, 8192, 1 << 17, 16384, 80, 6, 512, 6};
-constexpr Effort kQuick{96, 9, 2048, 6, 2048, 1 << 15, 4096, 24, 3, 64, 3};
+constexpr Effort kFull{256, 25, 8192, 12, 8192, 16384, 80, 6, 512, 6, 1 << 22, 1 << 17};
+constexpr Effort kQuick{96, 9, 2048, 6, 2048, 4096, 24, 3, 64, 3, 1 << 18, 1 << 13};
 
 constexpr int kSeed = 1, kOtherSeed = 2;
-constexpr int kOtherSparkles = 1 << 24;  // draws from here on are no other sum's
+constexpr float kOtherSparkles = 1;
 
 struct Measured {
   std::string group;
@@ -169,22 +170,6 @@ void paint_picture(Model& model, const Picture& picture, int seed,
   write_picture(radiance, picture, file);
 }
 
-// The alternatives repeat the core's code; with the core's own numbers they must give its draws.
-void check_alternatives(const Scene& scene, const std::vector<SurfacePoint<double>>& points) {
-  std::vector<Drawn> a, b;
-  const auto core = shipped()(scene);
-  const auto repeated = model<float, Alternative<CoreCount, CoreSum>>()(scene);
-  core->load(points);
-  repeated->load(points);
-  core->draw(kSeed, a);
-  repeated->draw(kSeed, b);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i].count != b[i].count || a[i].radiance.x != b[i].radiance.x) {
-      throw std::runtime_error("alternatives.h no longer repeats the core's draw of a pixel");
-    }
-  }
-}
-
 // ---------------------------------------------------------------------------------------------
 // JSON
 
@@ -214,7 +199,6 @@ const char* text(Numbers numbers) {
 void write_scene(std::ostream& out, const std::filesystem::path& folder, const Scene& scene,
                  const Effort& effort) {
   const Picture picture = look(scene, effort.size);
-  check_alternatives(scene, picture.points);
   std::vector<Measured> all = make_models(scene);
   time_models(all, picture.points, effort);
 
@@ -234,8 +218,8 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
     }
   }
   // What other random numbers alone do.
-  const auto exact = model<double, Exact>()(scene);
-  const auto other_sums = model<double, Exact>({}, {{}, {kOtherSparkles}})(scene);
+  const auto exact = model<double, OneByOne>()(scene);
+  const auto other_sums = model<double, OneByOne>({}, {kOtherSparkles})(scene);
   const auto reference = draws_of(*exact, judged, effort.draws, kSeed);
   const Errors floor_counts = errors(draws_of(*other_sums, judged, effort.draws, kSeed), reference);
   const Errors floor_own =
@@ -283,90 +267,21 @@ void write_scene(std::ostream& out, const std::filesystem::path& folder, const S
   out << '}';
 }
 
-constexpr double kSamplerMeans[] = {0.03, 0.09, 0.1, 0.3, 1, 3, 10, 31.9, 32, 100, 300, 1000};
-
-template <class Count>
-void write_sampler(std::ostream& out, const std::string& name, const char* comma = ",") {
-  out << "\n {\"name\": " << quoted(name) << ", \"total_variation\": ";
-  write_list(out, kSamplerMeans, [&](double m) { out << total_variation(Count{}, m); });
-  out << '}' << comma;
-}
-
-void write_samplers(std::ostream& out) {
-  using enum Form;
-  out << "\"means\": ";
-  write_list(out, kSamplerMeans, [&](double m) { out << m; });
-  out << ",\n\"samplers\": [";
-  write_sampler<Inversion>(out, "inversion");
-  write_sampler<CoreCount>(out, "Cornish–Fisher from 32 (shipped)");
-  write_sampler<InversionThen<cornish_fisher, 0>>(out, "Cornish–Fisher");
-  write_sampler<InversionThen<wilson_hilferty, 0>>(out, "Wilson–Hilferty");
-  write_sampler<InversionThen<normal, 0>>(out, "rounded normal");
-  write_sampler<Bernoulli>(out, "Bernoulli below 0.1", "");
-  out << ']';
-}
-
-constexpr int kSumCounts[] = {1, 2, 4, 5, 8, 12, 16, 17, 24, 33, 48, 64, 65, 100};
-
-// The law of the sum of N sparkles in a middling pixel of `scene`: its Wasserstein distance from
-// the exact one in standard deviations sqrt(<N> E[Y^2]) of the pixel's whole sum, <N> = N.
-class SumLaws {
- public:
-  SumLaws(const Scene& scene, int draws) : draws_(draws), spread_(scene.paint.flake_area_spread) {
-    const auto point = pixels_to_judge(scene, look(scene, 64), 1).front();
-    expected_ = expect_sparkles(make_layer<double>(scene.paint), point,
-                                see_light(scene.light, point.position));
-    for (int n : kSumCounts) exact_.push_back(drawn(EachDrawn{}, n));
-  }
-
-  template <class Sum>
-  std::vector<double> distances(const Sum& sum) const {
-    const double second = luminance(mean_square_sparkle(expected_));
-    std::vector<double> distances;
-    for (std::size_t i = 0; i < exact_.size(); ++i) {
-      distances.push_back(wasserstein(drawn(sum, kSumCounts[i]), exact_[i]) /
-                          std::sqrt(kSumCounts[i] * second));
-    }
-    return distances;
-  }
-
- private:
-  template <class Sum>
-  std::vector<double> drawn(const Sum& sum, int count) const {
-    std::vector<double> values;
-    for (int i = 0; i < draws_; ++i) {
-      const HashWords key = stream_key(0, 0, 0, i);
-      values.push_back(luminance(sum(expected_, spread_, key, 0, 0, draw_words(key, 0, 0, 0),
-                                     static_cast<double>(count))));
-    }
-    return values;
-  }
-
-  int draws_;
-  double spread_;
-  ExpectedSparkles<double> expected_;
-  std::vector<std::vector<double>> exact_;
-};
-
-void write_sums(std::ostream& out, const SumLaws& laws) {
-  const auto write = [&](const char* name, const std::vector<double>& distances,
-                         const char* comma = ",") {
-    out << "\n {\"name\": " << quoted(name) << ", \"distribution\": ";
-    write_list(out, distances, [&](double d) { out << d; });
-    out << '}' << comma;
-  };
-  out << "\"counts\": ";
-  write_list(out, kSumCounts, [&](int n) { out << n; });
-  out << ",\n\"sums\": [";
-  write("each drawn, other numbers", laws.distances(EachDrawn{kOtherSparkles}));
-  write("64 drawn, then skewed normal", laws.distances(DrawnThenSkewed<64>{}));
-  write("16 drawn, then skewed normal", laws.distances(CoreSum{}));
-  write("8 drawn, then skewed normal", laws.distances(DrawnThenSkewed<8>{}));
-  write("4 drawn, then skewed normal", laws.distances(DrawnThenSkewed<4>{}));
-  write("skewed normal always", laws.distances(DrawnThenSkewed<0>{}));
-  write("16 drawn, then normal", laws.distances(DrawnThenNormal<16>{}));
-  write("N × mean sparkle", laws.distances(CountTimesMean{}), "");
-  out << ']';
+void write_laws(std::ostream& out, const Effort& effort) {
+  out << "\"laws\": ";
+  write_list(out, law_cases(), [&](const LawCase& law) {
+    out << "{\"name\": " << quoted(law.name) << ", \"rows\": ";
+    write_list(out, kMeanCounts, [&](double mean_count) {
+      const Law found = law_of(law, mean_count, effort.short_draws, effort.papers_draws);
+      out << "  {\"count\": " << found.mean_count << ", \"mean\": " << found.mean
+          << ", \"mean_error\": " << found.mean_error << ", \"variance\": " << found.variance
+          << ", \"variance_error\": " << found.variance_error
+          << ", \"skewness\": " << found.skewness
+          << ", \"papers_skewness\": " << found.papers_skewness
+          << ", \"distance\": " << found.distance << ", \"noise\": " << found.noise << '}';
+    });
+    out << '}';
+  });
 }
 
 void write_explicit(std::ostream& out, int pixels) {
@@ -394,13 +309,10 @@ void write_explicit(std::ostream& out, int pixels) {
 
 // The group's options that are held against traced flakes too.
 constexpr std::pair<const char*, const char*> kHeldAgainstTraced[] = {
-    {"all together", "as shipped"},
-    {"all together", "everything exact, in double"},
-    {"depth", "attenuated"},
-    {"depth", "thinned"},
-    {"radiometry", "published"},
-    {"sum over N", "N × mean sparkle"},
-    {"sum over N", "mean only, no draw"}};
+    {"all together", "as shipped"}, {"all together", "everything exact, in double"},
+    {"depth", "attenuated"},        {"depth", "thinned"},
+    {"radiometry", "published"},    {"draw", "N × mean sparkle"},
+    {"draw", "mean only, no draw"}};
 
 // The nearest scene with every flake traced: what the model as a whole, not only its draw, costs
 // and errs.
@@ -455,9 +367,8 @@ void run(const std::filesystem::path& folder, const Effort& effort) {
     write_scene(out, folder, scene, effort);
   });
   out << ",\n";
-  write_samplers(out);
-  out << ",\n";
-  write_sums(out, SumLaws(scenes()[1], effort.draws_of_sums));
+  std::cout << "Drawing sparkle after sparkle…" << std::endl;
+  write_laws(out, effort);
   std::cout << "Tracing flakes one by one…" << std::endl;
   out << ",\n";
   write_explicit(out, effort.traced_pixels);

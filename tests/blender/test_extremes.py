@@ -94,7 +94,7 @@ def check(shown: Shown, paint: Paint, geometry: verify.Geometry, frame: int = 0)
         predicted = verify.predict(as_the_core, slots, geometry, "float")
         none = np.zeros((*hit.shape, 3))
         found = verify.compare(
-            as_the_core, geometry, [predicted], 0, 0, [shown.count], none[..., 0], none, none
+            as_the_core, slots, geometry, predicted, 0, 0, shown.count, none[..., 0], none, none
         )
         assert found.unexplained == 0
 

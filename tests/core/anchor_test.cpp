@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The cells of the surface: that their counts follow their law, that cells, levels, normals and
-// species are independent of one another, how much a pixel's filter leaves of point flakes'
+// instances are independent of one another, how much a pixel's filter leaves of point flakes'
 // variance, and that no lattice shows.
 #include "anchor.h"
 
@@ -15,7 +15,7 @@
 #include <numbers>
 #include <vector>
 
-#include "poisson.h"
+#include "count_law.h"
 #include "scenes.h"
 #include "sparkles.h"
 #include "support.h"
@@ -64,21 +64,6 @@ Paint on_surface(double flakes_per_mm2) {
   return paint;
 }
 
-// P(N < n) and P(N = n) of the binomial (slots > 0) or the Poisson law, summed term by term.
-std::pair<double, double> law_at(double mean, int slots, double n) {
-  double below = 0;
-  for (double k = 0;; ++k) {
-    double log_term = k * std::log(mean) - mean - std::lgamma(k + 1);
-    if (slots > 0) {
-      const double p = mean / slots;
-      log_term = std::lgamma(slots + 1.0) - std::lgamma(k + 1) - std::lgamma(slots - k + 1) +
-                 k * std::log(p) + (slots - k) * std::log1p(-p);
-    }
-    if (k >= n) return {below, std::exp(log_term)};
-    below += std::exp(log_term);
-  }
-}
-
 TEST(Anchor, CountsOfCellsFollowTheirLaw) {
   Random random(run_seed());
   constexpr int kCases = 24, kBins = 64, kPoints = 20'000;
@@ -96,12 +81,16 @@ TEST(Anchor, CountsOfCellsFollowTheirLaw) {
     std::vector<double> found(kBins), expected(kBins, kPoints / static_cast<double>(kBins));
     for (int k = 0; k < kPoints; ++k) {
       point.own.position = plane.a * random.uniform(-1, 1) + plane.b * random.uniform(-1, 1);
-      const auto all = sparkle(layer, point, {}, way, 0, 0, 0);
-      const auto& cell = all.expected[0];
-      binomial += cell.slots > 0;
-      ASSERT_GT(cell.mean_count, 0);
+      const auto all = sparkle_at(layer, point, way);
+      binomial += all.slots > 0;
+      ASSERT_GT(all.mean_count, 0);
       // Uniform in (0, 1) if the count follows its law.
-      const auto [below, equal] = law_at(cell.mean_count, cell.slots, all.count[0]);
+      const auto probability = [&](double n) {
+        return std::exp(log_probability(all.mean_count, all.slots, n));
+      };
+      double below = 0;
+      for (double n = 0; n < all.count; ++n) below += probability(n);
+      const double equal = probability(all.count);
       const double u = std::clamp(below + equal * random.uniform(), 0.0, 1 - 1e-12);
       found[static_cast<std::size_t>(u * kBins)] += 1;
     }
@@ -126,27 +115,24 @@ double correlation_z(Random& random, const First& first, const Second& second) {
   return ab / std::sqrt(aa * bb) * std::sqrt(1.0 * kPairs);
 }
 
-TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
+TEST(Anchor, CellsLevelsNormalsAndInstancesAreIndependent) {
   Random random(run_seed() + 1);
-  Paint paint = on_surface(3000);
-  paint.more[0] = paint.species(0);
-  const Layer<double> layer = make_layer<double>(paint);
+  const Layer<double> layer = make_layer<double>(on_surface(3000));
   const Frame plane = any_frame(random);
   const auto base = on_plane(plane, 0.8, 1e-7);
   const auto light = mirrored_at(base, plane, 0.05, 0.00465);
   // N less its mean, over the deviation of a Poisson count.
-  const auto count = [&](Vec3<double> where, auto change, std::size_t species = 0) {
+  const auto count = [&](Vec3<double> where, auto change) {
     SurfacePoint<double> point = base;
     point.own.position = where;
     SeenLight<double> seen = light;
     change(point, seen);
-    const auto all = sparkle(layer, point, {}, pass_between(layer, point, seen), 0, 0, 0);
-    const double mean = all.expected[species].mean_count;
-    return (all.count[species] - mean) / std::sqrt(mean);
+    const auto all = sparkle_at(layer, point, pass_between(layer, point, seen));
+    return (all.count - all.mean_count) / std::sqrt(all.mean_count);
   };
   const auto same = [](auto&, auto&) {};
   const auto here = [&](Vec3<double> where) { return count(where, same); };
-  const double side = std::sqrt(find_cell(base, layer.cell_share, 0.0, HashWords{}).area);
+  const double side = std::sqrt(find_cell(base, layer.cell_share, 0.0, HashKey{}).area);
   const auto shifted = [&](Vec3<double> by) {
     return [&, by](Vec3<double> where) {
       return count(where,
@@ -154,10 +140,11 @@ TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
     };
   };
   std::map<std::string, double> z;
-  // Beyond the longest cell that the footprint may ask for, and cells 2^28 and 2^30 apart.
+  // Beyond the longest cell that the footprint may ask for, and cells of the usual size 2^17 to
+  // 2^20 apart: there may be half as long ones, and the lattice repeats after 2^22.
   z["the next cell"] = correlation_z(random, here, shifted(plane.a * (3 * side)));
   z["the next cell, across"] = correlation_z(random, here, shifted(plane.b * (3 * side)));
-  for (const int power : {24, 28, 30, 32}) {
+  for (const int power : {17, 19, 20}) {
     const double far = std::ldexp(1.0, power + std::ilogb(side));
     for (const Vec3<double> axis : {Vec3<double>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
       z["cells 2^" + std::to_string(power) + " apart along " +
@@ -171,8 +158,6 @@ TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
     return count(where,
                  [&](auto& point, auto& seen) { seen = mirrored_at(point, plane, 0.12, 0.00465); });
   });
-  z["another species"] =
-      correlation_z(random, here, [&](Vec3<double> where) { return count(where, same, 1); });
   z["another instance"] = correlation_z(random, here, [&](Vec3<double> where) {
     return count(where, [](auto& point, auto&) { point.own.instance = 7; });
   });
@@ -189,9 +174,7 @@ TEST(Anchor, CellsLevelsNormalsSpeciesAndInstancesAreIndependent) {
   EXPECT_GT(correlation_z(random, here, here), 100);
 }
 
-bool alike(HashWords a, HashWords b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
-}
+bool alike(HashKey a, HashKey b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 TEST(Anchor, FlakesStayLitWhileTheHalfWayDirectionTurnsByLessThanTheCone) {
   Random random(run_seed() + 2);
@@ -202,7 +185,7 @@ TEST(Anchor, FlakesStayLitWhileTheHalfWayDirectionTurnsByLessThanTheCone) {
       int same = 0;
       for (int k = 0; k < kTurns; ++k) {
         const Frame frame = any_frame(random);
-        const HashWords cell = pcg4d({static_cast<std::uint32_t>(random.bits()), 1, 2, 3});
+        const HashKey cell = stream_key(static_cast<int>(random.bits()), 1, 2, 3);
         const double turn = radii * radius;
         const Vec3<double> turned = frame.n * std::cos(turn) + frame.a * std::sin(turn);
         same +=
@@ -269,7 +252,7 @@ Share share_of_variance(Random& random, const Filter& filter, double cells, doub
       const double along = x * std::sin(turn) + y * std::cos(turn);
       SurfacePoint<double> point = on_plane(plane, c, footprint);
       point.own.position = pixel + plane.b * (across * width) + plane.a * (along * width / c);
-      return find_cell(point, 1 / cells, 0.0, HashWords{1, 2, 3, 4});
+      return find_cell(point, 1 / cells, 0.0, HashKey{1, 2, 3});
     };
     double sum = 0;
     for (int k = 0; k < kPairs; ++k) {
@@ -315,12 +298,12 @@ TEST(Anchor, ACellHasTheAreaThatASurfaceCutsOutOfIt) {
     const Vec3<double> centre =
         plane.a * random.uniform(-1, 1) + plane.b * random.uniform(-1, 1) + plane.n;
     point.own.position = centre;
-    const auto cell = find_cell(point, 0.2, 0.0, HashWords{5, 6, 7, 8});
+    const auto cell = find_cell(point, 0.2, 0.0, HashKey{5, 6, 7});
     long hits = 0;
     for (int x = -500; x < 500; ++x) {
       for (int y = -500; y < 500; ++y) {
         point.own.position = centre + plane.a * (x * step) + plane.b * (y * step);
-        hits += alike(find_cell(point, 0.2, 0.0, HashWords{5, 6, 7, 8}).key, cell.key);
+        hits += alike(find_cell(point, 0.2, 0.0, HashKey{5, 6, 7}).key, cell.key);
       }
     }
     // Columns end after 16 sides, and a neighbour's deviate of the other axis may cut a long cell:
@@ -347,7 +330,7 @@ TEST(Anchor, CellsTurnWithTheViewAndKeepTheirFlakes) {
         plane.a = {std::cos(angle), std::sin(angle), 0};
         SurfacePoint<double> point = on_plane(plane, 1 / aspect, footprint);
         point.own.position = where;
-        return find_cell(point, 0.2, 0.0, HashWords{9, 10, 11, 12}).key;
+        return find_cell(point, 0.2, 0.0, HashKey{9, 10, 11}).key;
       };
       kept += alike(key_from(azimuth), key_from(azimuth + 0.25 / aspect));
     }
@@ -375,31 +358,14 @@ TEST(Anchor, AUniformPlaneShowsNoLattice) {
         for (int k = 0; k < kSamples; ++k) {
           point.own.position = plane.b * ((x + random.uniform()) * width) +
                                plane.a * ((y + random.uniform()) * width / 0.9);
-          sum += sparkle(layer, point, {}, way, 0, 0, i).radiance.y;
+          sum += sparkle_at(layer, point, way, 0, i).radiance.y;
         }
         picture[static_cast<std::size_t>(y * kSize + x)] = sum;
         mean += sum / (kSize * kSize);
       }
     }
-    // A separable Fourier transform, row by row and column by column.
-    std::vector<std::complex<double>> field(picture.begin(), picture.end());
-    for (auto& value : field) value -= mean;
-    for (int axis = 0; axis < 2; ++axis) {
-      const int next = axis == 0 ? 1 : kSize, line = axis == 0 ? kSize : 1;
-      for (int row = 0; row < kSize; ++row) {
-        std::vector<std::complex<double>> out(kSize);
-        for (int f = 0; f < kSize; ++f) {
-          for (int k = 0; k < kSize; ++k) {
-            out[static_cast<std::size_t>(f)] +=
-                field[static_cast<std::size_t>(row * line + k * next)] *
-                std::polar(1.0, -2 * kPi * f * k / kSize);
-          }
-        }
-        for (int f = 0; f < kSize; ++f) {
-          field[static_cast<std::size_t>(row * line + f * next)] = out[static_cast<std::size_t>(f)];
-        }
-      }
-    }
+    for (double& value : picture) value -= mean;
+    const auto field = transformed(picture, kSize);
     // Any line of the spectrum would stand out of its neighbours, in the mean of 7 x 7 of which
     // noise is exponential.
     for (int y = 0; y < kSize; ++y) {

@@ -131,7 +131,7 @@ void expect_each_pixel_alone(bool with_slant) {
   const int n = 3000;
   Arrays arrays(n, lights.size());
   const Layer<T> layer = make_layer<T>(paint);
-  evaluate_pixels(paint, layer, lights, 0, arrays.batch(with_slant), arrays.results());
+  evaluate_pixels(paint, layer, lights, arrays.batch(with_slant), arrays.results());
   const auto vector = [](const std::vector<double>& array, std::size_t i) {
     return Vec3<T>(Vec3<double>{array[3 * i], array[3 * i + 1], array[3 * i + 2]});
   };
@@ -154,8 +154,9 @@ void expect_each_pixel_alone(bool with_slant) {
       const Rgb<T> slant = vector(arrays.slant, i * lights.size() + lead);
       const auto expected = expect_sparkles(layer, point, see_light(source, point.position),
                                             with_slant ? &slant : nullptr);
-      const auto drawn = draw_sparkles(expected, layer.flakes[0].area_spread,
-                                       paint_stream(paint, leader), point.pixel_x, point.pixel_y);
+      const HashKey stream = stream_key(kFlakeStream, leader, paint.frame, paint.seed);
+      const auto drawn =
+          draw_sparkles(expected, pixel_key(stream, point.pixel_x, point.pixel_y, 0));
       ASSERT_EQ(arrays.radiance[3 * at + 1], static_cast<double>(drawn.radiance.y)) << i;
       ASSERT_EQ(arrays.mean[3 * at + 2], static_cast<double>(mean_radiance(expected).z)) << i;
       ASSERT_EQ(arrays.variance[3 * at], static_cast<double>(radiance_variance(expected).x)) << i;
@@ -180,7 +181,7 @@ TEST(Batch, GivenOpticalDepthsReachTheirPixelAndLight) {
 TEST(Batch, PixelsWithoutSurfaceAreBlack) {
   Arrays arrays(10, 1);
   for (double& v : arrays.normal) v = 0;
-  evaluate_pixels(undiffracted(), make_layer<float>(undiffracted()), {sun(0, 0.1)}, 0,
+  evaluate_pixels(undiffracted(), make_layer<float>(undiffracted()), {sun(0, 0.1)},
                   arrays.batch(false), arrays.results());
   for (double radiance : arrays.radiance) EXPECT_EQ(radiance, 0);
   for (std::int32_t leader : arrays.leader) EXPECT_EQ(leader, -1);

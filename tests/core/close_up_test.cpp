@@ -43,8 +43,9 @@ LatticePoint<double> lattice_across(const OwnAxes& own, Vec3<double> normal, Ran
       dominant = i;
     }
   }
-  return {random.uniform(-3, 3), random.uniform(-3, 3), own.axis[(dominant + 1) % 3],
-          own.axis[(dominant + 2) % 3]};
+  return {random.uniform(-3, 3),        random.uniform(-3, 3),
+          random.uniform(-3, 3),        dominant + 3 * random.below(2),
+          own.axis[(dominant + 1) % 3], own.axis[(dominant + 2) % 3]};
 }
 
 // The way v to the observer in the binder.
@@ -62,15 +63,15 @@ Vec3<T> view_inside(const Layer<T>& layer, Vec3<T> normal, Vec3<T> view) {
   return (view + normal * (eta_cos_refracted(cosine, layer.eta) - cosine)) / layer.eta;
 }
 
-HashWords key_of(Random& random) {
-  const std::uint64_t a = random.bits(), b = random.bits();
-  return {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(a >> 32),
-          static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(b >> 32)};
+HashKey key_of(Random& random) {
+  const auto word = [&] { return static_cast<float>(random.below(1 << 22)); };
+  const float x = word(), y = word();
+  return {x, y, word()};
 }
 
 // A species of this coverage, D H <S>.
 void set_coverage(FlakeSpecies& species, double coverage) {
-  const double share = area_moments(species.flake_area_spread).mean;
+  const double share = area_mean(species.flake_area_spread);
   species.flakes_per_mm2 = rounded(
       coverage / share / (kPi / 4 * species.flake_diameter_um * species.flake_diameter_um) * 1e6);
 }
@@ -231,11 +232,11 @@ TEST(CloseUp, TheMeanOfTheSparklesIsTheClosedForms) {
                               lattice_across(own, scene.normal, random), 0.0, key_of(random));
       double shown = 0, one = 0;
       if (mirrors(flakes, firsts[i], way)) {
-        const auto all = sparkle(layer, point, firsts, way, 0, 0, 0);
+        const auto all = sparkle_at(layer, point, way, 0, 0, firsts);
         shown = channel(all.radiance, k % 3);
-        one = all.count[i];
+        one = all.count;
         variance = channel(flake_radiance_variance(layer, firsts[i], expected, way), k % 3);
-        mean_count = all.expected[i].mean_count;
+        mean_count = all.mean_count;
       }
       found.add(shown);
       square.add(shown * shown);
@@ -273,7 +274,7 @@ TEST(CloseUp, FlakesThatTransmitAreSeenThrough) {
     Moments uppermost;
     for (int spot = 0; spot < 20'000 && uppermost.n < 2'000; ++spot) {
       const LatticePoint<double> at = lattice_across(own, scene.normal, random);
-      const HashWords key = key_of(random);
+      const HashKey key = key_of(random);
       const auto look = [&] {
         LatticePoint<double> near = at;
         near.a += 1e-3 * layer.flakes[0].diameter * random.uniform();
@@ -339,7 +340,7 @@ TEST(CloseUp, TheMeanStaysFromFlakesToCounts) {
     const Layer<double> layer = make_layer<double>(scene.paint);
     const Flakes<double>& flakes = layer.flakes[0];
     const double size = random.log_uniform(0.25, 4);
-    scene.footprint = size * flakes.flake_area * flakes.area.mean / layer.cell_share;
+    scene.footprint = size * flakes.flake_area * flakes.area_mean / layer.cell_share;
     SurfacePoint<double> point = scene.point<double>();
     const OwnAxes own = any_axes(random);
     point.own.x = own.axis[0];
@@ -355,7 +356,7 @@ TEST(CloseUp, TheMeanStaysFromFlakesToCounts) {
     while (found.n < draws) {
       point.own.position = {random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
       const int seed = static_cast<int>(random.bits());
-      const auto all = sparkle(layer, point, look_close(layer, point, 0, seed), way, 0, 0, seed);
+      const auto all = sparkle_at(layer, point, way, 0, seed, look_close(layer, point, 0, seed));
       found.add(all.radiance.y);
       mean = all.mean_radiance.y;
     }

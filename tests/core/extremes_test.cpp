@@ -61,10 +61,9 @@ void expect_sound(const TestScene& scene, const Layer<T>& layer) {
   const SurfacePoint<T> point = scene.point<T>();
   const auto expected = expect_sparkles(layer, point, scene.seen<T>());
   const Rgb<T> mean = mean_radiance(expected), variance = radiance_variance(expected);
-  const auto drawn =
-      draw_sparkles(expected, layer.flakes[0].area_spread, stream_key(1, 0, 2, 3), 5, 7);
-  const auto all = sparkle(layer, point, look_close(layer, point, 1, 2),
-                           pass_between(layer, point, scene.seen<T>()), 0, 1, 2);
+  const auto drawn = draw_sparkles(expected, stream_key(1, 0, 2, 3));
+  const auto all = sparkle_at(layer, point, pass_between(layer, point, scene.seen<T>()), 1, 2,
+                              look_close(layer, point, 1, 2));
   const Mixture<T> scattered = mixture(layer, Rgb<T>{T(0.9), T(0.5), T(0.02)},
                                        std::max(dot(point.normal, point.view), T(0)));
   const T shine = highlight(point.normal, point.view, Vec3<T>(scene.light),
@@ -404,36 +403,17 @@ TEST(Limits, ScenesOfAnyScaleAndPlaceLookTheSame) {
   EXPECT_NEAR(scene.expect<double>().mean_count / count, 1, 1e-14);
 }
 
-TEST(Limits, EveryPixelCoordinateHasItsOwnSparkles) {
-  TestScene scene = face_on();
-  set_count(scene, 3);
-  const auto expected = scene.expect<double>();
-  constexpr int kLast = std::numeric_limits<int>::max(), kFirst = std::numeric_limits<int>::min();
-  double sum = 0;
-  int pixels = 0;
-  for (int corner : {0, -1, kLast, kFirst}) {
-    for (int k = 0; k < 2'000; ++k) {
-      const int x = corner > 0 ? corner - k % 50 : corner + k % 50;
-      const int y = corner > 0 ? corner - k / 50 : corner + k / 50;
-      sum += draw_sparkles(expected, 0.0, stream_key(0, 0, 1, 2), x, y).count;
-      ++pixels;
-    }
-  }
-  // 4.5 standard errors: passed by chance but once in 10^5.
-  EXPECT_NEAR(sum / pixels, expected.mean_count, 4.5 * std::sqrt(expected.mean_count / pixels));
-}
-
 TEST(Limits, CountlessSparklesAreTheirMean) {
   TestScene scene = face_on();
   scene.paint.flakes_per_mm2 = 1e9;
   set_count(scene, 1e15);
   const auto expected = scene.expect<double>();
-  const auto drawn = draw_sparkles(expected, 0.0, stream_key(0, 0, 1, 2), 3, 4);
+  const auto drawn = draw_sparkles(expected, stream_key(0, 0, 1, 2));
   const double deviation = std::sqrt(radiance_variance(expected).x) / mean_radiance(expected).x;
   EXPECT_LE(deviation, 1e-4);  // depths vary, hardly anything else
   EXPECT_NEAR(drawn.radiance.x / mean_radiance(expected).x, 1, 6 * deviation);
   set_count(scene, 1e-300);
-  EXPECT_EQ(draw_sparkles(scene.expect<double>(), 0.0, stream_key(0, 0, 1, 2), 3, 4).count, 0);
+  EXPECT_EQ(draw_sparkles(scene.expect<double>(), stream_key(0, 0, 1, 2)).count, 0);
 }
 
 }  // namespace

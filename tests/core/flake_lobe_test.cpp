@@ -35,11 +35,16 @@ TEST(FlakeLobe, SampledTiltsHaveTheMomentsOfP) {
   worst.expect_at_most(1e-4);  // the rule's error at Beckmann's tail
 }
 
+// In (0, 1), exact in float.
+template <class T>
+T deviate(Random& random) {
+  return (static_cast<T>(random.below(1 << 23)) + T(0.5)) * T(0x1p-23);
+}
+
 // A random direction of the flake's wide cone, or its own where it has none.
 template <class T>
 Vec3<double> shown_from(const MirroredSample<T>& sample, Vec3<T> normal, Random& random) {
-  const auto deviate = [&] { return uniform_23<T>(static_cast<std::uint32_t>(random.bits())); };
-  const T u = deviate(), w = deviate(), e = deviate();
+  const T u = deviate<T>(random), w = deviate<T>(random), e = deviate<T>(random);
   const LobeCone<T> cone = wide_cone(sample, normal, u, w, e);
   const Vec3<double> axis(cone.direction);
   const Vec3<double> some = std::fabs(axis.x) < 0.6 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
@@ -73,8 +78,7 @@ void expect_brdf(std::uint64_t stream, double bias = 0) {
     const auto sampled_layer = scene.layer<T>();
     for (int i = 0; i < kSamples; ++i) {
       const auto sample = sample_flake<T>(sampled_layer, Vec3<T>(scene.normal), Vec3<T>(scene.view),
-                                          uniform_23<T>(static_cast<std::uint32_t>(random.bits())),
-                                          uniform_23<T>(static_cast<std::uint32_t>(random.bits())));
+                                          deviate<T>(random), deviate<T>(random));
       Vec3<double> shown(sample.direction);
       if (bias > 0) shown = shown_from(sample, Vec3<T>(scene.normal), random);
       const double c = dot(shown, mirror);

@@ -103,45 +103,67 @@ TEST(Light, TwoLightsShareACone_WhereDiscsAndGapMeet) {
     const double a = random.log_uniform(1e-6, 0.5), b = random.log_uniform(1e-6, 0.5);
     const double phi = random.uniform(0, 6.28);
     const double apart = random.uniform(0, 2 * (a + b) + 2 * kLeastGap);
-    const std::array<SeenLight<double>, 2> seen = {
+    std::array<SeenLight<double>, 2> seen = {
         sun<double>({0, 0, 1}, std::sin(a)),
         sun<double>(
             {std::sin(apart) * std::cos(phi), std::sin(apart) * std::sin(phi), std::cos(apart)},
             std::sin(b))};
     std::array<int, 2> leader = {0, 1};
-    group_lights(seen.data(), leader.data(), 2);
+    share_cones(seen.data(), leader.data(), 2, 1.0);
     if (std::abs(apart - (a + b + kLeastGap)) > 1e-9) {
       EXPECT_EQ(leader[1], apart < a + b + kLeastGap ? 0 : 1) << a << ' ' << b << ' ' << apart;
     }
   }
 }
 
-TEST(Light, NoGroupsConeMeetsAnotherGroupsLight) {
+TEST(Light, ConesEndBeforeOtherLights) {
   Random random = fresh(62);
+  int followers = 0, leaders = 0, chained = 0;
   for (int i = 0; i < 5'000; ++i) {
-    std::array<SeenLight<double>, 8> seen;
+    std::array<SeenLight<double>, 8> seen, own;
     std::array<int, 8> leader;
     for (std::size_t k = 0; k < 8; ++k) {
       const double x = random.uniform(-0.05, 0.05), y = random.uniform(-0.05, 0.05);
       seen[k] = sun<double>({x, y, std::sqrt(1 - x * x - y * y)}, random.log_uniform(1e-4, 0.01));
       leader[k] = k == 5 ? -1 : static_cast<int>(k);  // one that is not there
     }
-    group_lights(seen.data(), leader.data(), 8);
+    own = seen;
+    share_cones(seen.data(), leader.data(), 8, 1.0);
     EXPECT_EQ(leader[5], -1);
-    for (int group = 0; group < 8; ++group) {
-      const auto g = static_cast<std::size_t>(group);
-      if (leader[g] != group) continue;
-      const double reach = group_reach(seen.data(), leader.data(), 8, group);
-      for (std::size_t k = 0; k < 8; ++k) {
-        if (leader[k] < 0) continue;
-        EXPECT_LE(leader[k], static_cast<int>(k));
-        EXPECT_EQ(leader[static_cast<std::size_t>(leader[k])], leader[k]);
-        if (leader[k] == group) continue;
-        EXPECT_GE(angle_between(seen[g], seen[k]) - seen[k].reach, reach + kLeastGap - 1e-12)
-            << "configuration " << i << " group " << group << " light " << k;
+    for (std::size_t k = 0; k < 8; ++k) {
+      if (leader[k] < 0) continue;
+      const auto lead = static_cast<std::size_t>(leader[k]);
+      ASSERT_LE(lead, k);
+      ASSERT_EQ(leader[lead], leader[k]);
+      // The cone holds all that follow.
+      EXPECT_LE(angle_between(seen[lead], own[k]) + own[k].reach, seen[lead].reach + 1e-12);
+      if (lead != k) {
+        ++followers;
+        continue;
       }
+      ++leaders;
+      EXPECT_GE(seen[k].widest, seen[k].reach);
+      bool meets = false;  // another's cone that grew afterwards, by lights that joined it
+      for (std::size_t other = 0; other < 8; ++other) {
+        if (leader[other] < 0 || leader[other] == leader[k]) continue;
+        const double angle = angle_between(seen[k], own[other]);
+        if (leader[other] == static_cast<int>(other)) {
+          EXPECT_GE(angle, own[k].reach + own[other].reach + kLeastGap - 1e-12);
+          meets = meets || angle < seen[k].reach + seen[other].reach;
+          if (angle < seen[k].reach + seen[other].reach) continue;
+          EXPECT_LE(seen[k].widest + seen[other].widest, angle + 1e-12);
+        }
+        if (angle < seen[k].reach + own[other].reach) {
+          meets = true;
+        } else {
+          EXPECT_LE(seen[k].widest + own[other].reach, angle + 1e-12);
+        }
+      }
+      chained += meets;
     }
   }
+  EXPECT_GT(followers, 1'000);
+  EXPECT_LT(chained, leaders / 2) << "of " << leaders;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "noise.h"
+#include "random.h"
 
 namespace osl {
 
@@ -80,6 +81,12 @@ inline Triple noise(const char*, Triple p) {
   return {n.x, n.y, n.z};
 }
 
+inline float noise(const char*, Triple p, float w) {
+  return metallic_paint::hash_value(p[0], p[1], p[2], w);
+}
+inline Triple sqrt(Triple a) { return {sqrt(a[0]), sqrt(a[1]), sqrt(a[2])}; }
+inline Triple floor(Triple a) { return {floor(a[0]), floor(a[1]), floor(a[2])}; }
+
 inline Triple normalize(Triple a) { return a / length(a); }
 
 // What only a renderer has: no camera and no object here; a closure is its weight.
@@ -124,7 +131,6 @@ inline float microfacet(const char*, Triple, Triple, float, float, float, int) {
 #include "osl/cones.h"
 #include "osl/diffuse_lobe.h"
 #include "osl/flake_lobe.h"
-#include "osl/footprint.h"
 #include "osl/mixture.h"
 #include "osl/mixture_lobes.h"
 #include "osl/orange_peel.h"

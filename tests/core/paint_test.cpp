@@ -197,8 +197,7 @@ void expect_finite(const Paint& paint, const std::string& what) {
   const SurfacePoint<T> point{{}, {0, 0, 1}, {T(0.6), 0, cosine}, T(1e-8), 3, 4};
   const SeenLight<T> light = see_light<T>({LightKind::parallel, {T(-0.5), 0, T(0.8)}, T(0.01)}, {});
   const auto expected = expect_sparkles(layer, point, light);
-  const auto drawn =
-      draw_sparkles(expected, layer.flakes[0].area_spread, paint_stream(paint, 0), 3, 4);
+  const auto drawn = draw_sparkles(expected, stream_key(0, 0, paint.frame, paint.seed));
   for (T value : {expected.mean_count, mean_radiance(expected).x, mean_radiance(expected).z,
                   radiance_variance(expected).y, drawn.count, drawn.radiance.x,
                   flake_brdf(layer, point.normal, point.view, Vec3<T>(light.direction)).z}) {
@@ -250,16 +249,6 @@ TEST(Paint, LayerIsInSiUnits) {
   EXPECT_NEAR(layer.coverage, 0.314159265358979, 1e-14);
   // H (16 pi/3 c1 + kappa)
   EXPECT_NEAR(layer.binder_depth.y, 0.04 * (16 * 3.14159265358979 / 3 * 0.5 + 2), 1e-13);
-}
-
-TEST(Paint, StreamsTellLightsFramesAndSeedsApart) {
-  Paint paint, other;
-  other.seed = 1;
-  EXPECT_NE(paint_stream(paint, 0).x, paint_stream(paint, 1).x);
-  EXPECT_NE(paint_stream(paint, 0).x, paint_stream(other, 0).x);
-  other = Paint{};
-  other.frame = 1;
-  EXPECT_NE(paint_stream(paint, 0).x, paint_stream(other, 0).x);
 }
 
 TEST(LightInput, BadLightsAreRefused) {

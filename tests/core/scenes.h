@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <ostream>
@@ -56,6 +57,15 @@ struct TestScene {
     return expect_sparkles(layer<T>(), point<T>(), seen<T>());
   }
 };
+
+// The sparkles of a light at a point, none of which is seen close up unless `firsts` says so.
+template <class T>
+PixelSparkles<T> sparkle_at(const Layer<T>& layer, const SurfacePoint<T>& point,
+                            const Passage<T>& way, int frame = 0, int seed = 0,
+                            const std::array<FirstFlake<T>, kSpecies>& firsts = {}) {
+  return sparkle(layer, point, firsts, cell_of_counts(layer, point, firsts, frame, seed), way, 0,
+                 frame, seed);
+}
 
 inline std::ostream& operator<<(std::ostream& out, const TestScene& s) {
   const Paint& p = s.paint;

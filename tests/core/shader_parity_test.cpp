@@ -20,7 +20,6 @@
 #include "cones.h"
 #include "diffuse_lobe.h"
 #include "flake_lobe.h"
-#include "footprint.h"
 #include "light_slots.h"
 #include "mixture.h"
 #include "orange_peel.h"
@@ -165,11 +164,6 @@ void compare(Same& same, const osl::Flakes& shader, const Flakes<float>& core) {
   same("Flakes", words, words_of(core));
 }
 
-void compare(Same& same, const osl::ExpectedSparkles& shader, const ExpectedSparkles<float>& core) {
-  same("ExpectedSparkles", words_of(shader), words_of(core));
-  same("fluctuation_left", osl::fluctuation_left(shader), fluctuation_left(core));
-}
-
 struct ParityScene {
   Paint paint;
   SurfacePoint<float> point;
@@ -253,8 +247,8 @@ ParityScene random_scene(Random& random) {
 
 // How often the scenes came to what is rare.
 struct Visits {
-  long led = 0, one_by_one = 0, summed = 0, faded = 0, crowded = 0, sampled = 0, wide = 0,
-       smooth = 0, grazed = 0, close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
+  long led = 0, few = 0, many = 0, crowded = 0, sampled = 0, wide = 0, smooth = 0, grazed = 0,
+       close = 0, covered = 0, lit = 0, melting = 0, melted = 0, bent = 0;
 };
 
 // Every value that the shader computes for the scene, by both texts.
@@ -311,18 +305,16 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     if (!found.visible) continue;
     same("direction", found.direction, expected.direction);
     same("sin2_half_radius", found.sin2_half_radius, expected.sin2_half_radius);
-    same("reach", found.reach, expected.reach);
+    same("reach", found.reach, see_light(light, point.position).reach);
     same("breadth", found.breadth, expected.breadth);
     if (!(osl::inner_product(surface.n, found.direction) > 0)) continue;
     const auto at = static_cast<std::size_t>(lights);
     seen[at] = found;
-    leader[at] = found.breadth > 0 ? STANDS_ASIDE : lights;
+    leader[at] = lights;
     slot[at] = i;
     ++lights;
   }
-  std::array<float, 64> between;
-  if (osl::angles_between(seen, lights, between)) osl::group_lights(seen, between, leader, lights);
-  osl::admit_melting(seen, between, leader, lights, osl::turned_by(shader_layer));
+  osl::share_cones(seen, leader, lights, osl::turned_by(shader_layer));
 
   // The flakes that are seen themselves.
   const auto firsts = look_close(layer, point, paint.frame, paint.seed);
@@ -341,8 +333,11 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     visits.close += first.close;
     visits.covered += first.seen;
   }
-  std::array<osl::Cell, kSpecies> cells;
-  osl::find_cells(shader_layer, surface, shader_firsts, paint.frame, paint.seed, cells);
+  const Cell<float> cell = cell_of_counts(layer, point, firsts, paint.frame, paint.seed);
+  const osl::Cell shader_cell =
+      osl::cell_of_counts(shader_layer, surface, shader_firsts, paint.frame, paint.seed);
+  same("cell's area", shader_cell.area, cell.area);
+  same("cell's key", shader_cell.key, cell.key);
   for (int i = 0; i < lights; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const int core_leader = slots.leader[static_cast<std::size_t>(slot[at])];
@@ -357,10 +352,9 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       ++visits.led;
       continue;
     }
-    same("group_reach", osl::group_reach(seen, between, leader, lights, i),
-         group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]));
-
     const auto core_seen = slots.seen[static_cast<std::size_t>(slot[at])];
+    same("reach with those it leads", seen[at].reach, core_seen.reach);
+    same("widest cone", seen[at].widest, core_seen.widest);
     const auto shader_way = osl::pass_between(shader_layer, library, surface, seen[at], 1);
     const Passage<float> way = pass_between(layer, point, core_seen);
     same("open", shader_way.open, way.open);
@@ -373,36 +367,30 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
       same("passage's slant", shader_way.slant, way.slant);
       same("flake_normal", shader_way.mirror.flake_normal, way.mirror.flake_normal);
     }
-    const auto core_all = sparkle(layer, point, firsts, way, slot[at], paint.frame, paint.seed);
     for (int species = 0; species < layer.species; ++species) {
       const auto of = static_cast<std::size_t>(species);
-      if (paint.anchor == Anchor::pixel) {
-        compare(same,
-                osl::expect_sparkles(shader_layer, shader_flakes[of], library, point.footprint,
-                                     shader_way, 1),
-                core_all.expected[of]);
-      }
-      const auto all =
-          osl::sparkle(shader_layer, library, surface, shader_firsts, cells, shader_way, 1,
-                       slot[at], paint.frame, paint.seed, 0, 1, species);
-      same("count", all.count, core_all.count[of]);
-      visits.one_by_one += all.count > 0 && all.count <= kDrawnSparkles;
-      visits.summed += all.count > kDrawnSparkles;
-      const float left = fluctuation_left(core_all.expected[of]);
-      visits.faded += left > 0 && left < 1;
-      visits.crowded += core_all.expected[of].slots > 0;
-      const float share = core_all.expected[of].share;
-      visits.melting += share > 0 && share < 1;
-      visits.lit += firsts[of].close && all.count > 0;
-      same("mean_count of sparkle", all.mean_count, core_all.expected[of].mean_count);
-      same("radiance", all.radiance, core_all.radiance);
-      same("mean_radiance", all.mean_radiance, core_all.mean_radiance);
+      const auto expected = expect_sparkles(layer, layer.flakes[of], cell.area, way);
+      const auto shader_expected =
+          osl::expect_sparkles(shader_layer, shader_flakes[of], library, cell.area, shader_way, 1);
+      same("ExpectedSparkles", words_of(shader_expected), words_of(expected));
+      visits.melting += expected.share > 0 && expected.share < 1;
+      visits.lit += firsts[of].close && mirrors(layer.flakes[of], firsts[of], way);
     }
+    const auto core_all =
+        sparkle(layer, point, firsts, cell, way, slot[at], paint.frame, paint.seed);
+    const auto all = osl::sparkle(shader_layer, library, surface, shader_firsts, shader_cell,
+                                  shader_way, 1, slot[at], paint.frame, paint.seed, 0);
+    same("count", all.count, core_all.count);
+    same("mean_count", all.mean_count, core_all.mean_count);
+    same("radiance", all.radiance, core_all.radiance);
+    same("mean_radiance", all.mean_radiance, core_all.mean_radiance);
+    visits.few += all.count > 0 && all.count <= kCountSteps;
+    visits.many += all.count > kCountSteps;
+    visits.crowded += core_all.slots > 0;
     // The cone that carries them, and its weight where it is kept.
     const Rgb<float> shown = core_all.radiance;
     const float average = (shown.x + shown.y + shown.z) / 3;
-    const float least =
-        std::min(group_reach(slots.seen.data(), slots.leader.data(), kLightSlots, slot[at]), 1.5f);
+    const float least = std::min(core_seen.reach, 1.5f);
     const float rho = cone_half_angle(average, least, 1.0f);
     same("rho", osl::cone_half_angle(average, least, 1.0f), rho);
     const float keep = cone_roulette(average, cone_solid_angle(rho));
@@ -495,18 +483,14 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
        osl::orange_peel(to_osl(n), osl::waves_at(to_osl(point.position), size), slope), bent);
   same("above_surface", osl::above_surface(to_osl(bent), to_osl(n), to_osl(v)),
        above_surface(bent, n, v));
-  const float raster = point.position.x * 1e10f;
-  same("pixel_coordinate", osl::pixel_coordinate(raster), pixel_coordinate(raster));
-  const float facing = facing_area(v, 300.0f, 200.0f);
-  same("facing_area", osl::facing_area(to_osl(v), 300.0f, 200.0f), facing);
-  for (const float differential : {facing * 0.1f, facing * 0.7f, facing * 10}) {
-    same("surface_area", osl::surface_area(facing, differential, cos_view),
-         surface_area(facing, differential, cos_view));
-  }
-
-  const HashWords words =
-      draw_words(stream_key(8, 0, paint.frame, paint.seed), point.pixel_x, point.pixel_y, 0);
-  const float u = uniform_23<float>(words.x), w = uniform_23<float>(words.y);
+  const HashKey stream = stream_key(8, 0, paint.frame, paint.seed);
+  const Deviates drawn = uniform_deviates(pixel_key(stream, point.pixel_x, point.pixel_y, 0), 0);
+  same("uniform_deviates",
+       osl::uniform_deviates(osl::pixel_key(osl::stream_key(8, 0, paint.frame, paint.seed),
+                                            point.pixel_x, point.pixel_y, 0),
+                             0),
+       drawn);
+  const float u = drawn.x, w = drawn.y;
   const float rise = point.pixel_x % 2 != 0 ? 0.6F : 0;
   const auto shader_sample = osl::sample_flake(shader_layer, library, surface, shader_firsts,
                                                osl::inside_unit(u), w, rise);
@@ -598,7 +582,7 @@ void compare(Same& same, const ParityScene& scene, std::vector<float>& library_v
     same("sample's drift", shader_sample.drift, sample.drift);
     same("sample's deviations", osl::vector(shader_sample.along, shader_sample.across, 0),
          {sample.along, sample.across, 0});
-    const float e = inside_unit(uniform_23<float>(words.z));
+    const float e = inside_unit(drawn.z);
     const LobeCone<float> wide = wide_cone(sample, point.normal, inside_unit(u), w, e);
     const auto shader_wide = osl::wide_cone(shader_sample, surface.n, osl::inside_unit(u), w, e);
     same("wide cone", shader_wide.direction, wide.direction);
@@ -631,9 +615,9 @@ TEST(ShaderParity, EveryInnerValueIsTheCoresToTheLastBit) {
   RecordProperty("values", std::to_string(values));
   // No branch is left out because the scenes never go there.
   for (const long visited :
-       {visits.led, visits.one_by_one, visits.summed, visits.faded, visits.crowded, visits.sampled,
-        visits.wide, visits.smooth, visits.grazed, visits.close, visits.covered, visits.lit,
-        visits.melting, visits.melted, visits.bent}) {
+       {visits.led, visits.few, visits.many, visits.crowded, visits.sampled, visits.wide,
+        visits.smooth, visits.grazed, visits.close, visits.covered, visits.lit, visits.melting,
+        visits.melted, visits.bent}) {
     EXPECT_GT(visited, scenes / 100);
   }
 }

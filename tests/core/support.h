@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <sstream>
 #include <string>
@@ -234,6 +236,29 @@ inline double fourth_moment_of_sum(double mean_count, int slots, double m1, doub
   const double second = p * m2 - m * m;
   const double fourth = p * m4 - 4 * m * p * m3 + 6 * m * m * p * m2 - 3 * m * m * m * m;
   return k * fourth + 3 * k * (k - 1) * second * second;
+}
+
+// The Fourier transform of a square picture, row by row and column by column.
+inline std::vector<std::complex<double>> transformed(const std::vector<double>& picture, int side) {
+  std::vector<std::complex<double>> turns, field(picture.begin(), picture.end()), out(field.size());
+  for (int k = 0; k < side; ++k) turns.push_back(std::polar(1.0, -2 * std::numbers::pi * k / side));
+  const auto at = [&](int row, int k) { return static_cast<std::size_t>(row * side + k); };
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int row = 0; row < side; ++row) {
+      for (int f = 0; f < side; ++f) {
+        std::complex<double> sum = 0;
+        for (int k = 0; k < side; ++k) {
+          const auto& turn = turns[static_cast<std::size_t>(f * k % side)];
+          const auto& value = field[at(row, k)];
+          sum += std::complex<double>{value.real() * turn.real() - value.imag() * turn.imag(),
+                                      value.real() * turn.imag() + value.imag() * turn.real()};
+        }
+        out[at(f, row)] = sum;  // transposed, twice
+      }
+    }
+    field = out;
+  }
+  return field;
 }
 
 // Sums of a deviate's powers about its known mean.

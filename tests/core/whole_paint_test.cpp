@@ -176,7 +176,7 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     EXPECT_EQ(stack.glossy.z, m.glossy.z * grain);
     EXPECT_EQ(stack.alpha, m.alpha);
     const Rgb<double> sparkles =
-        sparkle(layer, point, {}, pass_between(layer, point, light), 0, 1, 2).radiance;
+        sparkle_at(layer, point, pass_between(layer, point, light), 1, 2).radiance;
     const auto found = shade(stack, point, light, sparkles);
     const Vec3<double> direction(light.direction);
     EXPECT_EQ(found.sparkles.x, sparkles.x);
@@ -203,7 +203,7 @@ TEST(WholePaint, EveryPartIsItsOwnFunction) {
     // The mean of an ordinary paint's sparkles is the flakes' lobe where the light is narrow.
     if (k % 2 == 1 && scene.paint.radiometry == Radiometry::exact && is_narrow(scene)) {
       const Rgb<double> mean =
-          sparkle(layer, point, {}, pass_between(layer, point, light), 0, 1, 2).mean_radiance;
+          sparkle_at(layer, point, pass_between(layer, point, light), 1, 2).mean_radiance;
       const Rgb<double> other = reflectance(layer, stack, point, direction);
       const double shine = roughness > 0 ? found.shine : 0;
       EXPECT_LE(std::abs(other.x - (shine + coat.rest * (mean.x + found.scattered.x))),
@@ -528,7 +528,7 @@ void expect_finite_everywhere() {
     const auto way = pass_between(layer, point, light);
     const auto found =
         shade(stack, point, light,
-              sparkle(layer, point, look_close(layer, point, 1, 2), way, 0, 1, 2).radiance);
+              sparkle_at(layer, point, way, 1, 2, look_close(layer, point, 1, 2)).radiance);
     ASSERT_TRUE(sound(found.radiance)) << found.radiance.x << " scene " << k;
     ASSERT_TRUE(sound(reflectance(layer, stack, point, lamp.vector))) << "scene " << k;
     if (k % 16 == 0) {

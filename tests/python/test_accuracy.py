@@ -15,8 +15,8 @@ from common.processes import ROOT
 from common.report_folder import ACCURACY, REPORT
 
 SECONDS = 900  # the first run builds and installs
-GROUPS = ("number type", "orientation", "blocked area", "count", "sum", "radiometry",
-          "depth", "flake spread", "all together")  # fmt: skip
+GROUPS = ("number type", "orientation", "blocked area", "draw", "radiometry", "depth",
+          "flake spread", "all together")  # fmt: skip
 
 pytestmark = [
     pytest.mark.long,
@@ -51,6 +51,7 @@ def test_the_bars_have_the_form_of_every_report(run: tuple[Path, list[dict], str
         "choices that dominate what ships",
         "FLIP",
         "Wasserstein",
+        "variance off the closed form",
         "traced flakes",
         "mean of correlated",
     ):

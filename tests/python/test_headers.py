@@ -14,7 +14,6 @@ SHADER = sorted(path.name for path in (ROOT / "osl").glob("*.h"))
 # Functions that only one of the two has, and why.
 ONLY_SHADER = {
     "find_own_space": "the renderer's transforms",
-    "find_pixel": "the renderer's transforms",
     "sparkle_cone": "a closure",
     "mirror": "a closure",
     "mirrored_cone": "a closure",
@@ -29,7 +28,7 @@ ONLY_SHADER = {
     "channels_of": "C++ copies no loop",
     **dict.fromkeys(("flakes_of", "differs", "unlike_in", "become"), "C++ has arrays of species"),
     "add_ring": "OSL folds no loop",
-    **dict.fromkeys(("angles_between", "find_cells"), "C++ finds them where it asks for them"),
+    "normal_place": "C++ has a lambda",
     "inner_product": "dot() of core/vector.h",
     "luminance_of": "luminance(), a name that OSL's own library has taken",
     "is_sound": "a diagnostic",
@@ -41,12 +40,15 @@ ONLY_SHADER = {
 ONLY_CORE = {
     "luminance": "luminance_of()",
     "radiance_variance": "of a draw, for those who judge it",
-    "flake_radiance_variance": "likewise",
+    **dict.fromkeys(
+        ("flake_radiance_variance", "mean_square_sparkle", "capped_area_square"),
+        "likewise",
+    ),
+    **dict.fromkeys(("lookup3_final", "lookup3", "hash_value"), 'OSL\'s noise("hash")'),
     **dict.fromkeys(("power_of_two", "binary_exponent", "significand"), "OSL's exp2 and logb"),
     "flake_blocking": "slant_depth_of() finds it with the areas",
     "among_species": "C++ has arrays of species",
     "make_gauss_rule": "for any number type; the shader has the float rule",
-    "paint_stream": "for tests of the draws",
     **dict.fromkeys(("view_below", "under_orange_peel"), "the shader's main fills its surface"),
     **dict.fromkeys(("scattered_by", "coat_shine", "shade"), "closures, which Cycles evaluates"),
     "ramp_at": "a closure",
@@ -59,10 +61,13 @@ ONLY_CORE = {
 HEADERS_ONLY_SHADER = {
     "sound.h": "core/validation.h rejects what a render must take",
     "diagnostics.h": "the shader's inner values as pictures",
+    "footprint.h": "the renderer's transforms and differentials",
+    "closures.h": "closures, which Cycles evaluates",
     "mixture_lobes.h": "closures: scattered_by() of whole_paint.h",
 }
 HEADERS_ONLY_CORE = {
     "batch.h": "many pixels",
+    "one_by_one.h": "the paper's sum, which draw.h is held against",
     "paint.h": "checks: the shader makes its inputs sound instead",
     "parallel.h": "many pixels",
     "validation.h": "errors",

@@ -57,7 +57,7 @@ def test_no_numbers_give_no_results() -> None:
     assert transmittance([]).shape == (0,)
     assert transmittance(np.zeros((0, 3))).shape == (0, 3)
     assert core.flake_brdf(core.Paint(), *[np.zeros((0, 3))] * 3).shape == (0, 3)
-    assert core.hash_words([], []).shape == (0, 4)
+    assert core.white_noise(np.zeros((0, 3)), []).shape == (0, 3)
     assert core.library_coating([], [], []).shape == (2, 0, 3)
 
 

@@ -21,7 +21,7 @@ PAINT = core.Paint()
 
 # All arrays as the core reads them: where numpy converts one, it lets go of the lock itself.
 CALLS: list[Callable[[], object]] = [
-    lambda: core.hash_words(WHOLE, WHOLE),
+    lambda: core.white_noise(UP, UNIFORM),
     lambda: core.count_deviate(UNIFORM, SLOTS, UNIFORM),
     lambda: core.normal_quantile(UNIFORM),
     lambda: core.fresnel_transmittance(UNIFORM, INDICES),

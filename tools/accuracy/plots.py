@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 
 from accuracy.results import (
     DEPTH_MODELS,
+    DRAW,
     EXACT,
-    SUM,
     TOGETHER,
     Choice,
     Results,
@@ -38,7 +38,7 @@ def draw_all(results: Results, folder: Path) -> None:
 
 def _choices(results: Results, file: Path) -> None:
     groups = [group for group in results.groups if "ε" not in group]
-    figure, grid = plt.subplots(5, 2, figsize=(11.5, 15.5), layout="constrained", sharey=True)
+    figure, grid = plt.subplots(4, 2, figsize=(11.5, 12.5), layout="constrained", sharey=True)
     *panels, last = grid.flat
     for spare in panels[len(groups) :]:
         spare.set_axis_off()
@@ -137,33 +137,23 @@ def _labels(axes: Axes, points: list[tuple[Choice, float, float]]) -> None:
 
 
 def _draws(results: Results, file: Path) -> None:
-    data = results.data
     figure, (left, right) = plt.subplots(1, 2, figsize=(11.5, 4.3), layout="constrained")
-    styles = {"inversion": ("-", DARK), "Bernoulli below 0.1": (":", "#b8860b")}
-    for number, sampler in enumerate(data["samplers"]):
-        line, colour = styles.get(sampler["name"], ("-", f"C{number}"))
-        shipped = "shipped" in sampler["name"]
-        left.plot(data["means"], np.maximum(sampler["total_variation"], 1e-15), line,
-                  color=COLOUR if shipped else colour, lw=2.4 if shipped else 1.2, marker=".",
-                  label=sampler["name"])  # fmt: skip
-    left.set_title("count: total variation distance from Poisson's law", loc="left")
-    left.set_xlabel("mean count ⟨N⟩")
-    shipped_sum = results.shipped(SUM).name
-    for number, entry in enumerate(data["sums"]):
-        name, line, colour, width = entry["name"], "-", f"C{number}", 1.2
-        if name == shipped_sum:
-            name, colour, width = f"{name} (shipped)", COLOUR, 2.4
-        elif "other numbers" in name:
-            name, line, colour = f"{name} (noise)", ":", GREY
-        right.plot(data["counts"], np.maximum(entry["distribution"], 1e-4), line,
-                   color=colour, lw=width, marker=".", label=name)  # fmt: skip
-    right.set_title("sum of N sparkles: distance from the exact law, in σ", loc="left")
-    right.set_xlabel("count N")
-    for axes, low, high in ((left, 1e-15, 1e3), (right, 7e-5, 20)):
+    for index, law in enumerate(results.data["laws"]):
+        rows, colour = law["rows"], f"C{index}"
+        counts = [row["count"] for row in rows]
+        left.plot(counts, [row["distance"] for row in rows], ".-", color=colour, label=law["name"])
+        right.plot(counts, [row["skewness"] for row in rows], ".-", color=colour)
+        right.plot(counts, [row["papers_skewness"] for row in rows], ":", color=colour)
+    noise = [row["noise"] for row in rows]
+    left.plot(counts, noise, ":", color=GREY, label="two samples of one law")
+    left.set_title("Kolmogorov's distance of the draw from the paper's sum", loc="left")
+    right.set_title("skewness; dotted: of the paper's sum", loc="left")
+    left.legend(fontsize=8)
+    left.set_yscale("log")
+    right.set_yscale("symlog", linthresh=1e-2)
+    for axes in (left, right):
         axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_ylim(low, high)  # with room for the legend
-        axes.legend(fontsize=8, ncols=2, loc="upper center")
+        axes.set_xlabel("mean count ⟨N⟩")
     save(figure, file)
 
 
@@ -207,7 +197,7 @@ def _pictures(results: Results, file: Path) -> None:
     """What the errors look like: pictures and their FLIP maps."""
     shown = [
         (TOGETHER, "everything exact, in double"), (TOGETHER, "as shipped"),
-        (SUM, "N × mean sparkle"), (SUM, "mean only, no draw"),
+        (DRAW, "N × mean sparkle"), (DRAW, "mean only, no draw"),
         ("radiometry", "published"), ("depth", "thinned"),
     ]  # fmt: skip
     scenes = ("near", "middle", "far")

@@ -15,6 +15,7 @@ from common.report_folder import ACCURACY, REPORT, table
 from accuracy import plots
 from accuracy.results import (
     DEPTH_MODELS,
+    DRAW,
     EXACT,
     FLAKE_SIZE,
     NOT_JUDGED,
@@ -40,7 +41,7 @@ NOTES = {
     "for callers of the C++, the shader carries none.",
     "blocked area ⟨s⟩ − ⟨t⟩": "A constant transmittance leaves a closed form. Only Gaussian "
     "flakes tilted by more than 0.4 and seen from their backs take 12 points in float.",
-    "count": "All of them take one hash; the closed forms bound the work.",
+    DRAW: "What its law errs is in the table of the draw's law.",
     "radiometry": "“Published” is the paper to the letter: not another price but another mean.",
     "depth": "Which of them is right is not a matter of this table: see the traced flakes.",
     "flake spread ε": "A number of the paint, no approximation: shown for what it does.",
@@ -358,6 +359,36 @@ def traced_tables(results: Results) -> Iterator[str]:
     yield from table(["choice", "ns", "count", "mean", "deviation", "distribution"], rows)
 
 
+def law_tables(results: Results) -> Iterator[str]:
+    for law in results.data["laws"]:
+        yield f"{law['name'][0].upper()}{law['name'][1:]}:"
+        yield ""
+        rows = [
+            [
+                f"{row['count']:g}", off(row, "mean"), off(row, "variance"),
+                *(f"{row[of]:.3g}".replace("-", "−") for of in ("skewness", "papers_skewness")),
+                f"{row['distance']:.4f}", f"{row['noise']:.4f}",
+            ]
+            for row in law["rows"]
+        ]  # fmt: skip
+        yield from table(
+            ["⟨N⟩", "mean off", "variance off", "skewness", "of the paper's sum", "distance",
+             "noise"],
+            rows,
+        )  # fmt: skip
+
+
+def off(row: dict, moment: str) -> str:
+    error = f"{100 * (row[moment] - 1):+.2f} ± {100 * row[f'{moment}_error']:.2f} %"
+    return error.replace("-", "−")
+
+
+def moment_off(results: Results, moment: str) -> float:
+    """What the draw's mean or variance is off the closed form, four standard errors in favour."""
+    rows = [row for law in results.data["laws"] for row in law["rows"]]
+    return max(max(abs(row[moment] - 1) - 4 * row[f"{moment}_error"], 0) for row in rows)
+
+
 def report(results: Results) -> Iterator[str]:
     yield ACCURACY.mark
     yield ""
@@ -374,8 +405,18 @@ def report(results: Results) -> Iterator[str]:
     yield "![The exact picture, others, and their FLIP maps](pictures.png)"
     yield ""
     yield from scene_table(results)
-    yield "![Errors of the counts and of the sums](draws.png)"
+    yield "## The law of the draw"
     yield ""
+    yield (
+        "The shader draws one sparkle, and all others as one sum. Here the green of a pixel is "
+        "held against the sum of the paper, sparkle after sparkle: mean and variance off the "
+        "closed form, with their standard errors, the skewness of both, and Kolmogorov's distance "
+        "of the two laws, with the median that two samples of one law have."
+    )
+    yield ""
+    yield "![Distance and skewness of the draw over the mean count](draws.png)"
+    yield ""
+    yield from law_tables(results)
     yield "## The depth models against traced flakes"
     yield ""
     yield (
@@ -410,14 +451,14 @@ def report(results: Results) -> Iterator[str]:
         f"{scene['judged']} pixels, from few to many sparkles; root mean square over the pixels, "
         "worst scene.",
         "- *distribution*: Wasserstein's distance of the radiance's law from the exact choice's, "
-        "in standard deviations σ; for sums, at the count where it is greatest.",
+        "in standard deviations σ.",
         "- *FLIP, RMSE*: of the picture, worst scene; FLIP in sRGB at 67 pixels per degree, RMSE "
         "in linear light over the picture's mean.",
         "- Choices share the random numbers of their group's exact one, so these are errors and "
-        "no noise. Where they cannot (another sum, std::poisson_distribution, another mean count) "
-        "noise is in them, and the FLIP of two exact pictures stands beside in brackets.",
-        "- *Dominated*: another choice is as fast, as exact in every scene (a sum: at every "
-        "count), and better in one of them.",
+        "no noise. Where they cannot (another sum, another mean count) noise is in them, and the "
+        "FLIP of two exact pictures stands beside in brackets.",
+        "- *Dominated*: another choice is as fast, as exact in every scene, and better in one of "
+        "them.",
     )
 
 
@@ -445,6 +486,11 @@ def make_bars(results: Results) -> list[bars.Bar]:
     of = f"mean of correlated off, beyond chance (p = {CHANCE:g})"
     return [
         *found,
+        *(
+            bars.at_most(f"accuracy, draw: {moment} off the closed form, beyond chance",
+                         moment_off(results, moment), most)
+            for moment, most in (("mean", 0.005), ("variance", 0.02))
+        ),
         bars.at_most("accuracy, number type: RMSE of float, of the picture's mean",
                      max(single.rmse.values()), SCREEN_STEP),
         bars.at_most(f"accuracy, traced flakes up to as wide as the layer is thick: {of}",

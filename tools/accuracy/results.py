@@ -14,7 +14,7 @@ import flip_evaluator
 import numpy as np
 
 ERRORS = ("count", "mean", "deviation", "distribution")
-SUM = "sum over N"
+DRAW = "draw"
 TOGETHER = "all together"
 # Not choices between ways to the same thing: the shader has float alone, ε is the paint's own, and
 # the last shows the sum of all.
@@ -42,7 +42,6 @@ class Choice:
     errors: dict[str, dict[str, float]] = field(default_factory=dict)
     flip: dict[str, float] = field(default_factory=dict)
     rmse: dict[str, float] = field(default_factory=dict)
-    sum_errors: list[float] = field(default_factory=list)  # over counts
     dominated_by: str | None = None
 
     @property
@@ -55,8 +54,8 @@ class Choice:
 
     @property
     def distribution(self) -> list[float]:
-        """Its error in each scene. A sum's at given counts, free of chance."""
-        return self.sum_errors or [errors["distribution"] for errors in self.errors.values()]
+        """Its error in each scene."""
+        return [errors["distribution"] for errors in self.errors.values()]
 
     @property
     def error(self) -> float:
@@ -85,10 +84,6 @@ class Results:
         self.floor_flip: dict[str, dict[str, float]] = {}
         for name, scene in self.scenes.items():
             self._read(name, scene)
-        for entry in self.data["sums"]:
-            for choice in self.of(SUM):
-                if choice.name == entry["name"]:
-                    choice.sum_errors = entry["distribution"]
         for group in self.groups:
             self._judge(self.of(group))
 
@@ -182,9 +177,7 @@ class Results:
                 choice.dominated_by = min(better, key=lambda c: (c.error, c.time)).name
 
     def _dominates(self, a: Choice, b: Choice) -> bool:
-        pairs = [(a.error, b.error)]
-        if len(a.distribution) == len(b.distribution):  # not by counts the one, by scenes the other
-            pairs = list(zip(a.distribution, b.distribution, strict=True))
+        pairs = zip(a.distribution, b.distribution, strict=True)
         differences = [x - y if max(x, y) > EXACT else 0.0 for x, y in pairs]
         faster = a.time < b.time / (1 + self.tolerance)
         slower = a.time > b.time * (1 + self.tolerance)

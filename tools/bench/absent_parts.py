@@ -52,6 +52,7 @@ def replace(old: str, new: str) -> Text:
 
 def one_species(text: str) -> str:
     text = replace("#define SPECIES 3", "#define SPECIES 1")(text)
+    text = replace("{color(0.0), color(0.0), color(0.0)}", "{color(0.0)}")(text)
     text = cut("  Flakes second;\n  if (Second", "  Layer flake_layer = make_layer",
                "  Flakes second = no_such_flakes();\n  Flakes third = second;\n")(text)  # fmt: skip
     text = cut("  if (second.areal_density > 0.0)\n    layer", "  layer.first = first;")(text)
@@ -62,14 +63,8 @@ def one_species(text: str) -> str:
 
 def one_slot(text: str) -> str:
     text = re.sub(r"  ADD_SLOT\([1-7],.*\n", "", text)
-    text = cut(
-        "  if (several && lights > 1) {\n    if (angles_between(seen",
-        "\n  // The flakes under all other",
-    )(text)
-    text = cut("      if (several) {", "      float rho")(text)
-    text = cut("  float reach = seen[group].reach;\n  for", "  return reach",
-               "  float reach = seen[group].reach;\n")(text)  # fmt: skip
-    return re.sub(r"\b(seen|leader|slot)\[8\]", r"\1[1]", text)
+    text = cut("  if (several || melting)", "\n  PixelSparkles drawn[8];")(text)
+    return re.sub(r"\b(seen|leader|slot|drawn|in_lobes)\[8\]", r"\1[1]", text)
 
 
 def no_library(text: str) -> str:
@@ -82,25 +77,29 @@ def no_library(text: str) -> str:
 
 
 def no_sparkles(text: str) -> str:
-    text = cut("  ADD_SLOT(0,", "  // The flakes under all other")(text)
-    return cut("  if (lights > 0) {", "  // The random flake")(text)
+    text = cut("  ADD_SLOT(0,", "  PixelSparkles drawn[8];", "  int leader[8];\n")(text)
+    text = cut("  if (lights > 0)  // a constant", "\n  // The flakes under all other")(text)
+    text = cut("    if (lights > 0)\n      lobes_beside", "    flakes = lean")(text)
+    return cut("listed_sparkles(drawn, view", "  closure color mixed", "0;\n")(text)
 
 
 def full_contrast(text: str) -> str:
-    text = replace("  return expected.contrast;", "  return 1.0;")(text)
-    text = replace("expected.contrast * clamp(", "clamp(")(text)
-    return replace("blurred || !(layer.sparkle_contrast > 0.0)", "blurred")(text)
+    return replace("blurred ? 0.0 : layer.sparkle_contrast", "blurred ? 0.0 : 1.0")(text)
 
 
 PARTS: dict[str, Text] = {
     "second and third species": one_species,
-    "other light": cut("  if (OtherLight > 0.5", "  // Cycles scales these"),
+    "other light": cut(
+        "  SmoothPart parts[SPECIES];\n  float rise",
+        "\n  // The coat over the flakes over",
+        "  closure color lobe = 0;\n",
+    ),
     "light slots 2 to 8": one_slot,
     "texture": cut(
         "  if (given.texture_contrast > 0.0)", "  stack.diffuse = stack.diffuse * stack"
     ),
     "orange peel": cut("  if (given.orange_peel > 0.0)\n    coat_n", "  if (inner_product(coat_n"),
-    "published composition": cut("      if (paint.composition ==", "      drawn[i] = here;"),
+    "published composition": cut("    if (paint.composition ==", "    drawn[i] = here;"),
     "sparkle contrast": full_contrast,
     "coating library": no_library,
 }

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import metallic_paint_core as core
 import numpy as np
-from bench.absent_parts import painted, replace
 from mathutils import Matrix, Vector
 from metallic_paint.paint import COATINGS, Paint, core_paint, material, presets
 from metallic_paint.scene import lights
@@ -34,9 +33,6 @@ FEW = 2  # flakes: in smaller footprints a sample is as good as a pixel, and pix
 SAMPLES, FEW_SAMPLES = 64, 4
 # Pixels: tiles of so many have next to nothing in common; a flake may be 20 pixels wide, or one.
 TILE, FEW_TILE = 8, 40
-
-# The draw for any number of flakes: from afar the mean takes its place.
-NEAR = replace("#define FAR_COUNT 65536.0", "#define FAR_COUNT 1e30")
 
 
 @dataclass(frozen=True)
@@ -117,7 +113,7 @@ def measure(name: str, paint: Paint, cases: Sequence[Case], size: int) -> list[F
     for case in cases:
         place(stage, case, 8)
         closed.append(stage.picture(FEW_SAMPLES)[..., 1].mean())
-    stage.wear(painted(NEAR, dataclasses.replace(paint, anchor="surface")))
+    stage.wear(material.create(dataclasses.replace(paint, anchor="surface")))
     found = []
     for case, whole in zip(cases, closed, strict=True):
         few = case.flakes < FEW

@@ -47,11 +47,8 @@ def expect(
         "position": seen.position, "normal": seen.normal, "view": seen.view,
         "footprint": seen.footprint, "pixel": np.zeros((len(seen.footprint), 2), np.int32),
     }  # fmt: skip
-    counts = np.zeros((len(seen.footprint), len(slots)))
-    for species, each in enumerate(paint.species):
-        if each.flakes_per_mm2 > 0:
-            found = core.evaluate(core_paint(paint), slots, species=species, **given)
-            counts += found["mean_count"]
+    found = core.evaluate(core_paint(paint), slots, **given)
+    counts = found["mean_count"]
     for slot, light in enumerate(lights):
         if light.lamp.hide_render:  # as it may be at this frame
             counts[:, slot] = 0

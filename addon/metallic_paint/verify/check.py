@@ -34,7 +34,7 @@ from .diagnostics import (
 from .probe import Probe
 
 if TYPE_CHECKING:
-    from metallic_paint_core._native import Light, Paint, Pixels
+    from metallic_paint_core._native import Light, Paint
 
 Progress = Callable[[float, str], None]
 
@@ -49,7 +49,7 @@ class Found:
 
     of: str  # object and material, and the scene
     region: tuple[int, int, int, int]  # left, bottom, right, top: pixels of the frame
-    pixels: int  # with paint in them, times the flake species and the lights that reach them
+    pixels: int  # with paint in them, times the lights that reach them
     same_count: int
     at_pixel_edge: int  # as in comparison.Comparison, and so the next three
     at_threshold: int
@@ -125,12 +125,11 @@ def check(
     region = _region(scene, layer, thing, painted, size, paint, slots)
     _hold_out(scene, layer, painted, region)
 
-    in_use = [i for i, each in enumerate(settings.species) if each.flakes_per_mm2 > 0]
-    probe = _Probe(scene, painted, progress, steps=15 + len(lamps) * (len(in_use) + 3))
+    probe = _Probe(scene, painted, progress, steps=15 + 4 * len(lamps))
     geometry = dataclasses.replace(probe.geometry(), origin=region[:2])
     if not geometry.hit.any():
         raise VerifyError(f"The camera sees no paint of {thing.name} in the region.")
-    predicted = [predict(paint, slots, geometry, "float", i) for i in in_use]
+    predicted = predict(paint, slots, geometry, "float")
     under = {
         "diffuse": DIFFUSE, "glossy": GLOSSY, "returned": RETURNED, "alpha": ROUGHNESS,
         "texture": TEXTURE,
@@ -147,34 +146,30 @@ def check(
     for light, lamp in enumerate(lamps):
         if lamp.hide_render:
             continue  # it has its slot for another frame
-        leaders = predicted[0]["leader"][:, light]
+        leaders = predicted["leader"][:, light]
         for leader in np.unique(leaders[leaders >= 0]):
             mask = leaders == leader
             hit = np.zeros_like(geometry.hit)
             hit[geometry.hit] = mask
             part = dataclasses.replace(geometry, hit=hit)
-            own: list[Pixels] = [
-                {key: values[mask] for key, values in each.items()}  # type: ignore[index, misc]
-                for each in predicted
-            ]
-            counts = [probe.image(COUNT, leader, i)[..., 0] for i in in_use]
+            own: Any = {key: array[mask] for key, array in predicted.items()}  # type: ignore[index]
+            count = probe.image(COUNT, leader)[..., 0]
             cone = probe.image(CONE, leader)[..., 0]
             picture, irradiance = (
                 probe.lit_by([lamp], diagnostic, leader) for diagnostic in (SPARKLES, IRRADIANCE)
             )
-            compared = compare(paint, part, own, light, leader, counts, cone, picture, irradiance)
+            compared = compare(
+                paint, slots, part, own, light, leader, count, cone, picture, irradiance
+            )
             for key in totals:
                 totals[key] += getattr(compared, key)
             by_chance += int(compared.by_chance.sum())
             expected = np.zeros(shape)
-            expected[hit] = own[0]["radiance"][:, light] * irradiance[hit]
+            expected[hit] = own["radiance"][:, light] * irradiance[hit]
             shown[hit] += picture[hit]
             wanted[hit] += expected[hit]
             same = np.zeros_like(hit)
-            same[hit] = np.all(
-                [c[hit] == each["count"][:, leader] for c, each in zip(counts, own, strict=True)],
-                axis=0,
-            )
+            same[hit] = count[hit] == own["count"][:, leader]
             lit = same & (expected.max(axis=-1) > 0) & ~compared.by_chance
             error = np.abs(picture - expected).max(axis=-1) / np.maximum(
                 expected.max(axis=-1), 1e-30
@@ -210,10 +205,10 @@ class _Probe(Probe):
         super().__init__(scene, [painted])
         self.progress, self.steps, self.taken = progress, steps, 0
 
-    def image(self, diagnostic: int, light: int = 0, species: int = 0) -> np.ndarray:
+    def image(self, diagnostic: int, light: int = 0) -> np.ndarray:
         self.progress(min(self.taken / self.steps, 1), f"Picture {self.taken + 1}")
         self.taken += 1
-        return super().image(diagnostic, int(light), species)
+        return super().image(diagnostic, int(light))
 
 
 def _make_real(scene: bpy.types.Scene, found: tuple[placed.Placed, ...]) -> list[bpy.types.Object]:

@@ -11,6 +11,7 @@ Every array here is (height, width, ...) with row 0 at the bottom, as the shader
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -24,12 +25,10 @@ if TYPE_CHECKING:
 # Cycles drops closures below this weight; the shader keeps them by chance (osl/cones.h).
 LEAST_WEIGHT = 1.1e-5
 
-# Error that float rounding may leave in <N> (relative) and in the uniform deviate. <N> holds the
-# exponential of up to -87, in float's range, which some 16 roundings of 2^-24 move by 8e-5.
+# Relative error that float rounding may leave in <N>, which holds the exponential of up to -87, in
+# float's range, which some 16 roundings of 2^-24 move by 8e-5.
 MEAN_ROUNDING = 1e-4
-UNIFORM_ROUNDING = 1e-6
 CELL_ROUNDING = 3e-6  # of a cell's share of its parent, as a change of the footprint
-FAR_COUNT = 32768  # up to this <N> the core draws; kFarCount / 2 in core/expected_sparkles.h
 
 MOST_RADIANCE_ERROR = 1e-2  # relative, of the worst pixel
 MOST_STACK_ERROR = 1e-3  # of an albedo or a roughness: a quarter of one step of 8 bits
@@ -39,10 +38,10 @@ MOST_STACK_ERROR = 1e-3  # of an albedo or a roughness: a quarter of one step of
 class Comparison:
     """How a light's sparkles in the picture agree with the core's."""
 
-    pixels: int  # with paint in them, times the flake species
+    pixels: int  # with paint in them
     same_count: int
     at_pixel_edge: int  # another count, because the sample lies on a pixel's edge within rounding
-    at_threshold: int  # another count, because the draw lies on a step within rounding
+    at_threshold: int  # another count, because <N> lies on a step of the draw within rounding
     unexplained: int
     radiance_error: np.ndarray  # relative, of the pixels with the same count and any radiance
     by_chance: np.ndarray  # (h, w) bool: so dim that Cycles would drop them, kept by lot instead
@@ -53,31 +52,29 @@ def predict(
     slots: list[Light],
     geometry: Geometry,
     precision: Literal["float", "double"],
-    species: int = 0,
 ) -> Pixels:
     """The core's values for the pixels with paint: arrays (pixels, lights, ...)."""
     import metallic_paint_core as core
 
-    places = geometry.places()
-    return core.evaluate(paint, slots, **places, precision=precision, species=species)
+    return core.evaluate(paint, slots, **geometry.places(), precision=precision)
 
 
 def compare(
     paint: Paint,
+    slots: list[Light],
     geometry: Geometry,
-    predicted: list[Pixels],
+    predicted: Pixels,
     light: int,
     leader: int,
-    counts: list[np.ndarray],
+    count: np.ndarray,
     cone: np.ndarray,
     picture: np.ndarray,
     irradiance: np.ndarray,
 ) -> Comparison:
     """Judges images (h, w[, 3]) against the core's prediction.
 
-    predicted and counts are those of each flake species. picture and irradiance are lit by the lamp
-    of the slot `light`; counts and cone are those of the slot that leads it: itself, unless another
-    light is too close by.
+    picture and irradiance are lit by the lamp of the slot `light`; count and cone are those of the
+    slot that leads it: itself, unless another light is too close by.
 
     With Anchor surface the core is given all that the shader draws from, so no count has an excuse.
     """
@@ -87,33 +84,24 @@ def compare(
     by_pixels = paint.anchor == core.Anchor.pixel
     shifted = (geometry.pixel[hit] != geometry.own_pixel()[hit]).any(axis=-1)
     at_edge = by_pixels & shifted & _near_edge(geometry.raster[hit])
-    same_count = edge = threshold = unexplained = 0
-    all_same = np.ones(int(hit.sum()), dtype=bool)
-    for species, (expected, count) in enumerate(zip(predicted, counts, strict=True)):
-        found = count[hit]
-        wanted = expected["count"][:, leader]
-        same = found == wanted
-        step = by_pixels & _near_threshold(paint, geometry, expected, leader, species, found)
-        same_count += int(same.sum())
-        edge += int((~same & at_edge).sum())
-        threshold += int((~same & ~at_edge & step).sum())
-        unexplained += int((~same & ~at_edge & ~step).sum())
-        all_same &= same
+    found = count[hit]
+    same = found == predicted["count"][:, leader]
+    step = ~at_edge & (by_pixels and _near_threshold(paint, slots, geometry, leader, found))
 
-    per_irradiance = predicted[0]["radiance"][:, light]
+    per_irradiance = predicted["radiance"][:, light]
     radiance = per_irradiance * irradiance[hit]
-    lit = all_same & (radiance.max(axis=-1) > 0)
+    lit = same & (radiance.max(axis=-1) > 0)
     by_chance = lit & (per_irradiance.mean(axis=-1) * cone[hit] < LEAST_WEIGHT)
     lit &= ~by_chance
     chance = np.zeros_like(hit)
     chance[hit] = by_chance
     error = np.abs(picture[hit][lit] - radiance[lit]).max(axis=-1) / radiance[lit].max(axis=-1)
     return Comparison(
-        pixels=int(hit.sum()) * len(counts),
-        same_count=same_count,
-        at_pixel_edge=edge,
-        at_threshold=threshold,
-        unexplained=unexplained,
+        pixels=len(found),
+        same_count=int(same.sum()),
+        at_pixel_edge=int((~same & at_edge).sum()),
+        at_threshold=int((~same & step).sum()),
+        unexplained=int((~same & ~at_edge & ~step).sum()),
         radiance_error=error,
         by_chance=chance,
     )
@@ -154,31 +142,14 @@ def _near_edge(raster: np.ndarray) -> np.ndarray:
 
 
 def _near_threshold(
-    paint: Paint,
-    geometry: Geometry,
-    predicted: Pixels,
-    light: int,
-    species: int,
-    found: np.ndarray,
+    paint: Paint, slots: list[Light], geometry: Geometry, light: int, found: np.ndarray
 ) -> np.ndarray:
-    """Counts that the core finds too, when <N> and the uniform deviate move by their rounding.
+    """Counts that the core finds too, when <N> moves by its rounding.
 
-    From afar and without contrast nothing is drawn: the count is <N>, to the nearest whole number.
+    Both draw from the same bits, and <N> is in proportion to the footprint.
     """
-    import metallic_paint_core as core
-
-    x, y = geometry.own_pixel()[geometry.hit].T
-    words = core.hash_words(x, y, light=light, species=species, frame=paint.frame, seed=paint.seed)
-    high, low = (words[:, i] >> 8 for i in (0, 1))
-    uniform = (high + (low + 0.5) * 2.0**-24) * 2.0**-24
-    mean, slots = predicted["mean_count"][:, light], predicted["slots"][:, light]
-    fewest = core.count_deviate(
-        mean * (1 - MEAN_ROUNDING), slots, np.minimum(uniform + UNIFORM_ROUNDING, 1)
-    )
-    most = core.count_deviate(
-        mean * (1 + MEAN_ROUNDING), slots, np.maximum(uniform - UNIFORM_ROUNDING, 1e-15)
-    )
-    undrawn = (mean > FAR_COUNT) | (paint.sparkle_contrast == 0)
-    undrawn &= np.abs(predicted["count"][:, light] - mean) <= 1 + mean * 1e-7
-    as_mean = undrawn & (np.abs(found - mean) <= 1 + mean * MEAN_ROUNDING)
-    return (fewest <= found) & (found <= most) | as_mean
+    bounds = []
+    for by in (1 - MEAN_ROUNDING, 1, 1 + MEAN_ROUNDING):
+        moved = dataclasses.replace(geometry, footprint=by * geometry.footprint)
+        bounds.append(predict(paint, slots, moved, "float")["count"][:, light])
+    return (np.min(bounds, axis=0) <= found) & (found <= np.max(bounds, axis=0))

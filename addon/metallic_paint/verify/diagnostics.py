@@ -23,15 +23,13 @@ OWN_POSITION, OWN_X, OWN_Y, OWN_Z, INSTANCE, RETURNED, EXPONENT = range(19, 26)
 LIT = (IRRADIANCE, SPARKLES, LOBE)  # surfaces under the lamps; the others are values to emit
 
 _SHOWN = "Shown"  # the output
-_INPUTS = ("Diagnostic", "DiagnosticLight", "DiagnosticSpecies")
+_INPUTS = ("Diagnostic", "DiagnosticLight")
 _EMITS = "Emits"  # 1: what is shown leaves as emission; 0: the surface under the lamps
 
 
-def show(
-    things: Collection[bpy.types.Object], diagnostic: int, light: int = 0, species: int = 0
-) -> None:
-    """What the objects show of this light slot and flake species (0-based)."""
-    values = (diagnostic, light + 1, species + 1, int(diagnostic not in LIT))
+def show(things: Collection[bpy.types.Object], diagnostic: int, light: int = 0) -> None:
+    """What the objects show of this light slot (0-based)."""
+    values = (diagnostic, light + 1, int(diagnostic not in LIT))
     set_properties(things, dict(zip((*_INPUTS, _EMITS), values, strict=True)))
 
 

@@ -155,9 +155,9 @@ class Probe:
         self._driven.add(socket)
         self.set(socket, value)
 
-    def image(self, diagnostic: int, light: int = 0, species: int = 0) -> np.ndarray:
-        """(h, w, 3) float32: the diagnostic of the light slot and flake species (0-based)."""
-        self._show(diagnostic, light, species)
+    def image(self, diagnostic: int, light: int = 0) -> np.ndarray:
+        """(h, w, 3) float32: the diagnostic of the light slot (0-based)."""
+        self._show(diagnostic, light)
         return render(self.scene)
 
     def picture(self) -> np.ndarray:
@@ -170,7 +170,7 @@ class Probe:
         self._variants.close()
         self._diagnosing = False
 
-    def _show(self, diagnostic: int, light: int = 0, species: int = 0) -> None:
+    def _show(self, diagnostic: int, light: int = 0) -> None:
         if not self._diagnosing:
             self._variants.enter_context(variants(self.materials))
             # Cycles keeps the scene and its compiled shaders from one picture to the next.
@@ -179,7 +179,7 @@ class Probe:
             self._variants.callback(setattr, render_settings, "use_persistent_data", was)
             render_settings.use_persistent_data = True
             self._diagnosing = True
-        show(self._painted(), diagnostic, light, species)
+        show(self._painted(), diagnostic, light)
 
     def _painted(self) -> list[bpy.types.Object]:
         return [
