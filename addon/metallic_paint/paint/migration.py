@@ -35,8 +35,8 @@ class Report:
     def __str__(self) -> str:
         lines = [f"Paints updated: {self.updated}."]
         if self.riding:
-            lines.append("Sparkles now ride on the surface: set Anchor to pixel for the old "
-                         "picture.")  # fmt: skip
+            lines.append("Sparkles now ride on the surface: set Anchor to pixel to have them on "
+                         "the pixels.")  # fmt: skip
         if self.lost:
             lines.append(f"Today's paint has no {', '.join(sorted(self.lost))}.")
         if self.linked:
