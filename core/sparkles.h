@@ -55,10 +55,11 @@ struct PixelSparkles {
   Rgb<T> radiance{}, mean_radiance{}, variance{};
 };
 
-// The cell of the surface whose species are counted; no light has a part in it.
+// The cell of the surface whose species are counted, or the pixel, whose key is each light's own.
 template <class T>
 Cell<T> cell_of_counts(const Layer<T>& layer, const SurfacePoint<T>& point,
                        const std::array<FirstFlake<T>, kSpecies>& firsts, int frame, int seed) {
+  if (layer.anchor == Anchor::pixel) return {point.footprint, {}};
   T least = 0;
   for (int i = 0; i < layer.species; ++i) {
     const Flakes<T>& flakes = layer.flakes[static_cast<std::size_t>(i)];
@@ -74,12 +75,10 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
                          const std::array<FirstFlake<T>, kSpecies>& firsts, const Cell<T>& cell,
                          const Passage<T>& way, int light, int frame, int seed) {
   PixelSparkles<T> all;
-  T area = point.footprint;
   HashKey key{};
   if (layer.anchor == Anchor::pixel) {
     key = pixel_key(stream_key(kFlakeStream, light, frame, seed), point.pixel_x, point.pixel_y, 0);
   } else if (way.open) {
-    area = cell.area;
     key = about_normal(cell.key, own_direction(point.own, Vec3<T>(way.mirror.flake_normal)),
                        static_cast<T>(quarter_cone(cone_in_binder(layer.flakes[0], way), way)));
   }
@@ -90,7 +89,7 @@ PixelSparkles<T> sparkle(const Layer<T>& layer, const SurfacePoint<T>& point,
     const Flakes<T>& flakes = layer.flakes[at];
     const FirstFlake<T>& first = firsts[at];
     ExpectedSparkles<T> expected =
-        expect_sparkles(layer, flakes, first.close ? point.footprint : area, way);
+        expect_sparkles(layer, flakes, first.close ? point.footprint : cell.area, way);
     const Rgb<T> mean = mean_radiance(expected);
     Sparkles<T> drawn;
     if (first.close) {

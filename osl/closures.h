@@ -17,11 +17,7 @@ void draw_listed(Paint paint, Layer layer, float library[], SurfacePoint surface
                  SeenLight seen[8], int slot[8], int leader[8], int lights, int flat, int frame, int blurred,
                  output PixelSparkles drawn[8])
 {
-  Cell cell;
-  cell.area = surface.footprint;
-  cell.key = vector(0.0);
-  if (layer.anchor == ANCHOR_SURFACE)
-    cell = cell_of_counts(layer, surface, firsts, frame, paint.seed);
+  Cell cell = cell_of_counts(layer, surface, firsts, frame, paint.seed);
   for (int i = 0; i < lights; ++i) {
     if (leader[i] != i)
       continue;

@@ -20,13 +20,19 @@ struct PixelSparkles {
 
 Cell cell_of_counts(Layer layer, SurfacePoint surface, FirstFlake firsts[SPECIES], int frame, int seed)
 {
-  float least = 0.0;
-  for (int i = 0; i < layer.species; ++i) {
-    Flakes some = flakes_of(layer, i);
-    if (!firsts[i].close && some.coverage > 0.0)
-      least = max(least, some.flake_area * some.area_mean);
+  Cell cell;
+  cell.area = surface.footprint;
+  cell.key = vector(0.0);
+  if (layer.anchor == ANCHOR_SURFACE) {
+    float least = 0.0;
+    for (int i = 0; i < layer.species; ++i) {
+      Flakes some = flakes_of(layer, i);
+      if (!firsts[i].close && some.coverage > 0.0)
+        least = max(least, some.flake_area * some.area_mean);
+    }
+    cell = find_cell(surface, layer.cell_share, least, own_stream(layer, surface.own, FLAKE_STREAM, frame, seed));
   }
-  return find_cell(surface, layer.cell_share, least, own_stream(layer, surface.own, FLAKE_STREAM, frame, seed));
+  return cell;
 }
 
 // `flat`: whether any listed light is. `blurred`: the mean, and nothing is drawn.
@@ -39,20 +45,17 @@ PixelSparkles sparkle(Layer layer, float library[], SurfacePoint surface, FirstF
   all.radiance = color(0.0);
   all.mean_radiance = color(0.0);
   float contrast = blurred ? 0.0 : layer.sparkle_contrast;
-  float area = surface.footprint;
   vector key = vector(0.0);
   if (layer.anchor == ANCHOR_PIXEL)
     key = pixel_key(stream_key(FLAKE_STREAM, light, frame, seed), surface.pixel_x, surface.pixel_y, 0);
-  else if (way.open) {
-    area = cell.area;
+  else if (way.open)
     key = about_normal(cell.key, own_direction(surface.own, way.mirror.flake_normal),
                        quarter_cone(cone_in_binder(flakes_of(layer, 0), way), way));
-  }
   float ceiling = 0.0;
   for (int i = 0; i < layer.species; ++i) {
     Flakes some = flakes_of(layer, i);
     FirstFlake first = firsts[i];
-    ExpectedSparkles expected = expect_sparkles(layer, some, library, first.close ? surface.footprint : area, way, flat);
+    ExpectedSparkles expected = expect_sparkles(layer, some, library, first.close ? surface.footprint : cell.area, way, flat);
     color mean = mean_radiance(expected);
     Sparkles drawn;
     if (first.close) {
